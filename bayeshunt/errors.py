@@ -1,0 +1,39 @@
+"""Every error that bayeshunt raises on purpose: what went wrong, where, and what to do about it.
+
+The command line prints the message on one line and exits with 2 for an :class:`InputError`
+and with 1 for any other :class:`BayesHuntError`.
+"""
+
+from __future__ import annotations
+
+
+class BayesHuntError(Exception):
+    """Base class of every error raised on purpose by bayeshunt."""
+
+
+class InputError(BayesHuntError, ValueError):
+    """What the caller gave is wrong: the message names the place and the mend."""
+
+
+class ConfigError(InputError):
+    """A settings file or preset is wrong: file, key, what was expected."""
+
+
+class DataError(InputError):
+    """A babbling table is wrong: file, row or column, what was expected."""
+
+
+class ModelFileError(InputError):
+    """A model file cannot be read: damaged, edited, of another kind or of a newer format."""
+
+
+class ImpossibleEvidenceError(BayesHuntError, ValueError):
+    """P(evidence) = 0 under the model, so there is no posterior to give."""
+
+
+class ZeroCountError(BayesHuntError, ValueError):
+    """A probability was asked of a table column in which nothing has been counted."""
+
+
+class NothingObservedError(BayesHuntError, ValueError):
+    """A prediction was asked of an online model that has not observed anything yet."""

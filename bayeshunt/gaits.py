@@ -1,0 +1,80 @@
+"""Gaits: the named motor commands a robot can hold for one time-step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from bayeshunt.errors import InputError
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A named motor command.
+
+    name: unique within a repertoire.
+    command: what the body executes; its meaning and unit belong to the body (for a differential
+        drive left and right wheel speed in m/s, for a car speed in m/s and steering in rad).
+    """
+
+    name: str
+    command: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class GaitRepertoire(Sequence[Gait]):
+    """The gaits of one robot, in the order of every table's columns.
+
+    body_length: metres, the unit of the default distance bins.
+    duration: seconds that one gait is held: the time-step of every model.
+    """
+
+    gaits: tuple[Gait, ...]
+    body_length: float = 0.057
+    duration: float = 3.328
+    _positions: dict[str, int] = field(init=False, repr=False, compare=False, hash=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gaits", tuple(self.gaits))
+        names = [gait.name for gait in self.gaits]
+        if not names:
+            raise InputError("a gait repertoire needs at least one gait")
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise InputError(f"gait names must be unique, repeated: {', '.join(repeated)}")
+        if not self.body_length > 0 or not self.duration > 0:
+            raise InputError("a gait repertoire needs body_length > 0 and duration > 0")
+        object.__setattr__(self, "_positions", {name: i for i, name in enumerate(names)})
+
+    @classmethod
+    def of(cls, gaits: Any, **settings: float) -> GaitRepertoire:
+        """Return ``gaits`` itself if it is a repertoire, else one made of Gait objects or names."""
+        if isinstance(gaits, cls):
+            return gaits
+        return cls(tuple(g if isinstance(g, Gait) else Gait(str(g)) for g in gaits), **settings)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Gait names in table order."""
+        return tuple(gait.name for gait in self.gaits)
+
+    def index(self, name: Any, *unused: Any) -> int:  # type: ignore[override]
+        """Return the position of a gait given by name or as a Gait.
+
+        Raises InputError if the repertoire has no such gait.
+        """
+        key = name.name if isinstance(name, Gait) else name
+        try:
+            return self._positions[key]
+        except (KeyError, TypeError):
+            raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
+
+    def __getitem__(self, key: Any) -> Any:
+        return self.gaits[self.index(key)] if isinstance(key, str) else self.gaits[key]
+
+    def __len__(self) -> int:
+        return len(self.gaits)
+
+    def __iter__(self) -> Iterator[Gait]:
+        return iter(self.gaits)

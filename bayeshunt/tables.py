@@ -1,0 +1,61 @@
+"""Counts and probabilities: the arithmetic every table of this project shares.
+
+Letters: N[i, j] counts of child state i under parent state j; a the Dirichlet pseudo-count per
+cell; K the number of child states. Columns of a CPT sum to 1 (child axis first, as pgmpy prints).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bayeshunt.errors import BayesHuntError, ZeroCountError
+
+
+def normalise(counts: np.ndarray, prior: float = 0.0, *, name: str = "table") -> np.ndarray:
+    """Return the posterior-mean CPT of ``counts`` [K, J] under a symmetric Dirichlet prior.
+
+    ``P[i, j] = (N[i, j] + a) / (sum_i N[i, j] + K a)``; with ``a = 0`` the maximum-likelihood table.
+
+    Raises ZeroCountError where a column holds no count and no prior: there is no probability to give.
+    """
+    weights = np.asarray(counts, dtype=float) + prior
+    totals = weights.sum(axis=0, keepdims=True)
+    if np.any(totals <= 0):
+        empty = np.flatnonzero(np.atleast_1d(totals.squeeze(0) <= 0))
+        raise ZeroCountError(f"{name}: nothing counted in column(s) {empty.tolist()} and the prior is 0")
+    return weights / totals
+
+
+def entropy(probabilities: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return the Shannon entropy [bit] along ``axis``; 0 log 0 counts as 0."""
+    p = np.asarray(probabilities, dtype=float)
+    logs = np.log2(np.where(p > 0, p, 1.0))
+    return -(p * logs).sum(axis=axis)
+
+
+def check_cpt(probabilities: np.ndarray, *, name: str = "CPT", tolerance: float = 1e-9) -> None:
+    """Raise BayesHuntError unless every entry is in [0, 1] and every column sums to 1."""
+    p = np.asarray(probabilities, dtype=float)
+    if not np.all(np.isfinite(p)) or np.any(p < 0) or np.any(p > 1 + tolerance):
+        raise BayesHuntError(f"{name}: entries must be probabilities in [0, 1]")
+    off = np.abs(p.sum(axis=0) - 1.0)
+    if np.any(off > tolerance):
+        raise BayesHuntError(f"{name}: a column sums to {1 + off.max():.12g}, not 1")
+
+
+def credible_interval(
+    counts: np.ndarray, prior: float = 0.0, *, level: float = 0.95
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return lower and upper bounds [K, J] of each cell's equal-tailed Dirichlet credible interval.
+
+    The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a). Where the prior is 0 the
+    interval uses Jeffreys' a = 1/2 (a maximum-likelihood table has no posterior of its own).
+    Reference: Gelman et al., Bayesian Data Analysis, 3rd ed., section 3.4.
+    """
+    from scipy.stats import beta
+
+    a = prior if prior > 0 else 0.5
+    weights = np.asarray(counts, dtype=float) + a
+    rest = weights.sum(axis=0, keepdims=True) - weights
+    tail = (1.0 - level) / 2.0
+    return beta.ppf(tail, weights, rest), beta.ppf(1.0 - tail, weights, rest)
