@@ -1,0 +1,137 @@
+"""What every planner shares: a situation in, an inspectable plan out.
+
+A planner is a function of the situation and of ``rng``: it keeps no state between decisions and
+never changes what it is given, so the same situation and seed give the same plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import Polar
+
+
+class PreyPredictor(Protocol):
+    """What a planner asks of a prey model; :class:`bayeshunt.models.prey.PreyModel` is one."""
+
+    @property
+    def is_empty(self) -> bool:
+        """True while nothing has been observed."""
+
+    def predict_path(self, steps: int) -> Polar:
+        """Expected poses 0..steps ahead in the prey's present frame: Polar of arrays [steps + 1]."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the hunter knows when it decides.
+
+    prey: the prey's present pose as the hunter sees it.
+    prey_model: what has been learned of the prey's pose transitions, one per time-step.
+    body_length: metres, > 0; distances that the paper gives in bodies are multiples of it.
+    time: seconds since the hunt began. step: number of decisions taken before this one.
+    previous_gait: the gait just executed, None at the first step.
+    time_step: seconds that one gait is held.
+    """
+
+    prey: Polar
+    prey_model: PreyPredictor
+    body_length: float = 0.057
+    time: float = 0.0
+    step: int = 0
+    previous_gait: str | None = None
+    time_step: float = 3.328
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, self.prey)) or self.prey.distance < 0:
+            raise InputError(f"prey pose must be finite numbers with distance >= 0, got {self.prey}")
+        if not (self.body_length > 0 and math.isfinite(self.body_length)):
+            raise InputError(f"body_length must be positive metres, got {self.body_length}")
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A decision and the reasons for it.
+
+    gait: name of the gait to execute now. gaits: the whole sequence, ``gaits[0] == gait``.
+    value: what the decision was taken by; ``objective`` says what it is and in which unit.
+    nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
+    target: where the hunter aims, as it sees it now.
+    evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
+    support: babbling rows in that cell; None if not asked.
+    posterior: P(Gait | target) [G] in table order; None if not asked.
+    prey_known: True if the decision rests on what the prey model has observed. False if the planner
+        does not ask it, or if it is empty and the prey was taken to stand still.
+    predicted_prey: Polar of arrays [T + 1], the prey 0..T steps ahead as the hunter sees it now.
+    """
+
+    gait: str
+    gaits: tuple[str, ...]
+    value: float
+    objective: str
+    nodes: int
+    make_trace: Callable[[], pd.DataFrame] = field(repr=False)
+    expansions: int = 0
+    target: Polar | None = None
+    evidence_probability: float | None = None
+    support: int | None = None
+    posterior: np.ndarray | None = field(default=None, repr=False)
+    prey_known: bool = False
+    predicted_prey: Polar | None = field(default=None, repr=False)
+
+    @cached_property
+    def trace(self) -> pd.DataFrame:
+        """One row per node considered; built when first asked for, as a table costs more than a decision."""
+        return self.make_trace()
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A pickled plan carries its finished trace, not the planner's tables.
+        state = {name: value for name, value in self.__dict__.items() if name != "trace"}
+        state["make_trace"] = partial(_given, self.trace)
+        return state
+
+
+@runtime_checkable
+class Planner(Protocol):
+    """Anything that turns situations into plans."""
+
+    @property
+    def name(self) -> str:
+        """What tables and the command line call this planner."""
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Decide; ``rng`` is the only source of chance."""
+
+
+def check_request(situation: Situation, rng: np.random.Generator) -> None:
+    """Raise InputError unless a planner was given a situation and a generator."""
+    if not isinstance(situation, Situation):
+        raise InputError(f"plan() needs a Situation, got {type(situation).__name__}")
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"rng must be a numpy.random.Generator, got {type(rng).__name__}")
+
+
+def predict_prey(situation: Situation, steps: int) -> tuple[Polar, bool]:
+    """Return the prey 0..steps ahead as the hunter sees it now, and whether the prey model was used.
+
+    The path is a Polar of arrays [steps + 1]. While the prey model is empty the prey is taken to
+    stand still, and the flag is False.
+    """
+    if situation.prey_model.is_empty:
+        return Polar(*(np.full(steps + 1, float(value)) for value in situation.prey)), False
+    path = situation.prey.compose(situation.prey_model.predict_path(steps))
+    if not np.isfinite(path).all():
+        raise InputError(f"the prey model predicts a pose that is not finite within {steps} steps")
+    return path, True
+
+
+def _given(frame: pd.DataFrame) -> pd.DataFrame:
+    return frame

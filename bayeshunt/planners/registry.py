@@ -1,0 +1,84 @@
+"""Planners by name."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from bayeshunt.errors import InputError
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners.base import Planner
+from bayeshunt.planners.best_first import PlanningSettings, planning
+from bayeshunt.planners.predictive import PredictionPlanner
+from bayeshunt.planners.reactive import ReactivePlanner
+
+#: Makes a planner from a forward model and settings given by name.
+Factory = Callable[..., Planner]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Entry:
+    factory: Factory
+    settings: tuple[str, ...] | None  # None: the factory checks its own
+
+
+_REGISTRY: dict[str, _Entry] = {}
+
+
+def register_planner(name: str, factory: Factory, *, settings: Iterable[str] | None = None) -> None:
+    """Make ``factory(model, **settings)`` known as ``name`` in this process.
+
+    settings: the names it accepts; by default the factory's named parameters after the first.
+    Raises InputError if the name is empty or taken.
+    """
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(f"a planner needs a name, got {name!r}")
+    if name in _REGISTRY:
+        raise InputError(f"a planner called {name!r} is registered already; choose another name")
+    if not callable(factory):
+        raise InputError(f"planner {name!r}: expected a function that makes it, got {factory!r}")
+    accepted = _parameters(factory) if settings is None else tuple(settings)
+    _REGISTRY[name] = _Entry(factory, accepted)
+
+
+def planner_names() -> tuple[str, ...]:
+    """Return the names of all registered planners, in order of registration."""
+    return tuple(_REGISTRY)
+
+
+def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
+    """Return the planner called ``name`` for a fitted forward model.
+
+    Raises InputError for an unknown name or an unknown or wrong setting.
+    """
+    entry = _REGISTRY.get(name) if isinstance(name, str) else None
+    if entry is None:
+        raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}")
+    for setting in settings if entry.settings is not None else ():
+        if setting not in entry.settings:  # type: ignore[operator]
+            raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, entry.settings)}")
+    return entry.factory(model, **settings)
+
+
+def _parameters(factory: Factory) -> tuple[str, ...] | None:
+    """Names of the settings a factory takes by keyword, or None if it takes any."""
+    parameters = list(inspect.signature(factory).parameters.values())
+    if any(p.kind is p.VAR_KEYWORD for p in parameters):
+        return None
+    named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return tuple(p.name for p in parameters[1:] if p.kind in named)
+
+
+def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
+    near = difflib.get_close_matches(setting, accepted or (), n=1)
+    if near:
+        return f"; did you mean {near[0]!r}?"
+    return f"; it has {', '.join(accepted)}" if accepted else "; it has none"
+
+
+register_planner("reactive", ReactivePlanner)
+register_planner("prediction", PredictionPlanner)
+register_planner("planning", planning, settings=[f.name for f in dataclasses.fields(PlanningSettings)])
