@@ -1,0 +1,95 @@
+"""bayeshunt: a robot that learns what its body can do and how its prey moves, and hunts by asking tables.
+
+The public names below are loaded when first used, so that ``import bayeshunt`` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bayeshunt.axes import Axis, EffectAxes
+    from bayeshunt.config import ExperimentSettings, RobotSettings
+    from bayeshunt.dataset import load as load_dataset
+    from bayeshunt.dataset import save as save_dataset
+    from bayeshunt.episode import Episode
+    from bayeshunt.errors import (
+        BayesHuntError,
+        ConfigError,
+        DataError,
+        ImpossibleEvidenceError,
+        InputError,
+        ModelFileError,
+        NothingObservedError,
+        ZeroCountError,
+    )
+    from bayeshunt.experiments.runner import evaluate
+    from bayeshunt.experiments.scores import summarise, wilson_interval
+    from bayeshunt.experiments.store import load_results, save_results
+    from bayeshunt.gaits import Gait, GaitRepertoire
+    from bayeshunt.geometry import Polar, Pose, wrap
+    from bayeshunt.hunting import hunt
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.inverse import InverseModel
+    from bayeshunt.models.prey import PreyModel
+    from bayeshunt.planners.base import Plan, Situation
+    from bayeshunt.planners.registry import make_planner, planner_names, register_planner
+    from bayeshunt.settings import load_experiment, load_robot
+    from bayeshunt.world.babbling import babble
+    from bayeshunt.world.prey import register_prey
+
+#: Public name -> (module, name there).
+_HOMES = {
+    **{name: ("bayeshunt.axes", name) for name in ("Axis", "EffectAxes")},
+    **{name: ("bayeshunt.config", name) for name in ("ExperimentSettings", "RobotSettings")},
+    "load_dataset": ("bayeshunt.dataset", "load"),
+    "save_dataset": ("bayeshunt.dataset", "save"),
+    "Episode": ("bayeshunt.episode", "Episode"),
+    **{
+        name: ("bayeshunt.errors", name)
+        for name in (
+            "BayesHuntError",
+            "ConfigError",
+            "DataError",
+            "ImpossibleEvidenceError",
+            "InputError",
+            "ModelFileError",
+            "NothingObservedError",
+            "ZeroCountError",
+        )
+    },
+    "evaluate": ("bayeshunt.experiments.runner", "evaluate"),
+    **{name: ("bayeshunt.experiments.scores", name) for name in ("summarise", "wilson_interval")},
+    **{name: ("bayeshunt.experiments.store", name) for name in ("load_results", "save_results")},
+    **{name: ("bayeshunt.gaits", name) for name in ("Gait", "GaitRepertoire")},
+    **{name: ("bayeshunt.geometry", name) for name in ("Polar", "Pose", "wrap")},
+    "ForwardModel": ("bayeshunt.models.forward", "ForwardModel"),
+    "InverseModel": ("bayeshunt.models.inverse", "InverseModel"),
+    "PreyModel": ("bayeshunt.models.prey", "PreyModel"),
+    **{name: ("bayeshunt.planners.base", name) for name in ("Plan", "Situation")},
+    **{name: ("bayeshunt.planners.registry", name) for name in ("make_planner", "planner_names", "register_planner")},
+    **{name: ("bayeshunt.settings", name) for name in ("load_experiment", "load_robot")},
+    "babble": ("bayeshunt.world.babbling", "babble"),
+    "register_prey": ("bayeshunt.world.prey", "register_prey"),
+    "hunt": ("bayeshunt.hunting", "hunt"),
+}
+
+__all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("bayeshunt")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'bayeshunt' has no attribute {name!r}")
+    home, attribute = _HOMES[name]
+    value = getattr(import_module(home), attribute)
+    globals()[name] = value  # found once, then an ordinary attribute
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,139 @@
+"""An episode: everything one hunt did, as a table, with its settings; saved as one Parquet file."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.errors import DataError
+from bayeshunt.files import replace_atomically
+from bayeshunt.geometry import Polar
+from bayeshunt.tables import entropy
+
+if TYPE_CHECKING:
+    from bayeshunt.config import ExperimentSettings
+    from bayeshunt.planners.base import Plan, Situation
+
+_KEY = b"bayeshunt"
+_KIND = "episode"
+
+
+class Step(NamedTuple):
+    """One decision: where everybody was, what was known, what was chosen and why."""
+
+    values: dict[str, Any]
+    plan: Plan
+    situation: Situation
+
+    @classmethod
+    def of(cls, step: int, moment: Any, situation: Situation, plan: Plan, observed: Polar | None) -> Step:
+        """Summarise a decision; ``observed`` is the prey transition learned just before it."""
+        target = plan.target if plan.target is not None else Polar(np.nan, np.nan, np.nan)
+        seen = observed if observed is not None else Polar(np.nan, np.nan, np.nan)
+        known = not situation.prey_model.is_empty
+        expected = situation.prey_model.predict_path(1) if known else None
+        values = {
+            "step": step,
+            "time": moment.time,
+            **{f"hunter_{k}": v for k, v in moment.hunter._asdict().items()},
+            **{f"prey_{k}": v for k, v in moment.prey._asdict().items()},
+            **{f"seen_{k}": float(v) for k, v in situation.prey._asdict().items()},
+            **{f"target_{k}": float(v) for k, v in target._asdict().items()},
+            "gait": plan.gait,
+            "planned_gaits": list(plan.gaits),
+            "value": float(plan.value),
+            "objective": plan.objective,
+            "nodes": plan.nodes,
+            "evidence_probability": np.nan if plan.evidence_probability is None else plan.evidence_probability,
+            "support": -1 if plan.support is None else int(plan.support),
+            "posterior": None if plan.posterior is None else np.asarray(plan.posterior).tolist(),
+            "posterior_entropy": np.nan if plan.posterior is None else float(entropy(plan.posterior)),
+            "prey_known": plan.prey_known,
+            "prey_observations": situation.prey_model.observations,
+            **{f"observed_{k}": float(v) for k, v in seen._asdict().items()},
+            **{
+                f"expected_{k}": float(getattr(expected, k)[1]) if expected is not None else np.nan
+                for k in Polar._fields
+            },
+        }
+        return cls(values, plan, situation)
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """One hunt.
+
+    caught: whether the prey was caught. time: seconds to the catch (the time limit if missed).
+    frame: one row per decision; columns in README, units metres, seconds, radians. World poses
+        (``hunter_*``, ``prey_*``) are counter-clockwise, what the hunter sees (``seen_*``,
+        ``target_*``) clockwise; ``observed_*`` is the prey transition learned before the decision,
+        ``expected_*`` the prey model's mean transition after it; ``support`` is -1 where not asked.
+    trail: both robots' world poses every control interval.
+    provenance: settings, planner, arena, theta, seed: what makes the hunt again.
+    plans: the plans themselves, step by step; empty for an episode read from a file.
+    """
+
+    caught: bool
+    time: float
+    frame: pd.DataFrame
+    trail: pd.DataFrame
+    provenance: dict[str, Any]
+    plans: tuple[Plan, ...] = field(default=(), repr=False)
+    situations: tuple[Situation, ...] = field(default=(), repr=False)
+
+    @classmethod
+    def assemble(
+        cls, steps: list[Step], trail: list[Any], result: Any, *, settings: ExperimentSettings, **origin: Any
+    ) -> Episode:
+        """Build an episode from its steps, its recorded moments and its result."""
+        frame = pd.DataFrame([step.values for step in steps])
+        path = pd.DataFrame(
+            [(m.time, *m.hunter, *m.prey) for m in trail],
+            columns=["time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta"],
+        )
+        provenance = {
+            "kind": _KIND,
+            "caught": bool(result.caught),
+            "time": float(result.time),
+            **origin,
+            "settings": settings.model_dump(mode="json"),
+        }
+        plans, situations = tuple(s.plan for s in steps), tuple(s.situation for s in steps)
+        return cls(bool(result.caught), float(result.time), frame, path, provenance, plans, situations)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the table, the trail and the provenance as one Parquet file, replaced atomically."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        record = {**self.provenance, "trail": {c: self.trail[c].tolist() for c in self.trail}}
+        table = pa.Table.from_pandas(self.frame, preserve_index=False)
+        table = table.replace_schema_metadata({_KEY: json.dumps(record, sort_keys=True).encode()})
+        with replace_atomically(path) as temporary:
+            pq.write_table(table, temporary, compression="zstd")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Episode:
+        """Read an episode; DataError in one line if the file is missing, damaged or something else."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        name = os.fspath(path)
+        if not Path(path).is_file():
+            raise DataError(f"{name}: no such file; make one with: bayeshunt hunt --out {name}")
+        try:
+            table = pq.read_table(path, partitioning=None)
+            record = json.loads((table.schema.metadata or {})[_KEY])
+            trail = pd.DataFrame(record.pop("trail"))
+            if record.get("kind") != _KIND:
+                raise KeyError("kind")
+            return cls(record["caught"], record["time"], table.to_pandas(), trail, record)
+        except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
+            reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+            raise DataError(f"{name}: not an episode ({reason}); expected a file made by bayeshunt hunt --out") from None

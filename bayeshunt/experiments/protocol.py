@@ -1,0 +1,64 @@
+"""The paper's protocol as a list of hunts: which planner, arena, bearing, run and seed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bayeshunt.axes import EffectAxes
+from bayeshunt.config import ExperimentSettings
+from bayeshunt.errors import InputError
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.world.babbling import babble
+
+
+class HuntTask(NamedTuple):
+    """One hunt to run. ``seed`` depends on theta's position and the run alone, not on planner or arena."""
+
+    planner: str
+    arena: str
+    theta: float
+    run: int
+    seed: int
+
+
+def hunt_seed(seed: int, theta_index: int, run: int) -> int:
+    """Return the seed of one hunt: a whole number below 2**63 that ``bayeshunt hunt --seed`` takes."""
+    return int(np.random.SeedSequence([seed, theta_index, run]).generate_state(1, np.uint64)[0] >> 1)
+
+
+def plan_hunts(settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int) -> list[HuntTask]:
+    """Return every hunt of the protocol in the order of the results.
+
+    Raises InputError for an arena that the settings lack or a name that is given twice.
+    """
+    for arena in arenas:
+        if arena not in settings.arenas:
+            raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+    for kind, names in (("planner", planners), ("arena", arenas)):
+        twice = [name for name in names if list(names).count(name) > 1]
+        if twice:
+            raise InputError(f"{kind} {twice[0]!r} is given twice")
+    protocol = settings.protocol
+    return [
+        HuntTask(planner, arena, theta, run, hunt_seed(seed, index, run))
+        for arena in arenas
+        for planner in planners
+        for index, theta in enumerate(protocol.thetas)
+        for run in range(protocol.runs)
+    ]
+
+
+def learn_model(settings: ExperimentSettings, seed: int, progress: Any = None) -> ForwardModel:
+    """Babble with the experiment's robot and fit the forward model: what the robot knows of its own body."""
+    model, robot = settings.model, settings.robot
+    frame = babble(robot, model.babbling_steps, seed, physics=settings.physics, progress=progress)
+    axes = EffectAxes.standard(
+        robot.body.diameter,
+        distance_bin=model.distance_bin,
+        angle_bins=model.angle_bins,
+        heading_bins=model.heading_bins,
+    )
+    return ForwardModel.fit(frame, robot.gaits, prior=model.prior, axes=axes)

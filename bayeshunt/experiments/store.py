@@ -1,0 +1,111 @@
+"""Results on disk: every hunt as Parquet, the summary as JSON and Markdown."""
+
+from __future__ import annotations
+
+import json
+import os
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from bayeshunt.config import ExperimentSettings
+from bayeshunt.errors import DataError, InputError
+from bayeshunt.experiments.scores import summarise
+from bayeshunt.files import replace_atomically, write_text
+
+HUNTS_FILE = "hunts.parquet"
+SUMMARY_JSON = "summary.json"
+SUMMARY_MARKDOWN = "summary.md"
+_KEY = b"bayeshunt"
+
+
+def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> dict[str, Any]:
+    """Return the summary that ``bayeshunt evaluate --json`` prints."""
+    return {
+        "rows": summarise(results, settings),
+        "experiment": settings.name,
+        "note": settings.note,
+        "seed": int(seed),
+        "version": version("bayeshunt"),
+    }
+
+
+def check_output_folder(folder: str | os.PathLike[str]) -> Path:
+    """Create the output folder if need be; InputError in one line if that cannot be."""
+    path = Path(folder)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be used as an output folder ({error.strerror or error})") from None
+    if not os.access(path, os.W_OK):
+        raise InputError(f"{path}: the output folder is not writable")
+    return path
+
+
+def save_results(results: pd.DataFrame, settings: ExperimentSettings, seed: int, folder: str | os.PathLike[str]) -> None:
+    """Write hunts.parquet, summary.json and summary.md into ``folder``, each replaced atomically."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = check_output_folder(folder)
+    record = {"kind": "results", "seed": int(seed), "settings": settings.model_dump(mode="json")}
+    record["version"] = version("bayeshunt")
+    plain = results.copy(deep=False)
+    plain.attrs = {}
+    table = pa.Table.from_pandas(plain, preserve_index=False)
+    table = table.replace_schema_metadata({_KEY: json.dumps(record, sort_keys=True).encode()})
+    with replace_atomically(path / HUNTS_FILE) as temporary:
+        pq.write_table(table, temporary, compression="zstd")
+    facts = summary(results, settings, seed)
+    write_text(path / SUMMARY_JSON, json.dumps(facts, indent=1) + "\n")
+    write_text(path / SUMMARY_MARKDOWN, to_markdown(facts))
+
+
+def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
+    """Read the hunts of a results folder; settings and seed in ``frame.attrs``.
+
+    Raises DataError in one line if there are none or the file is damaged.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = Path(folder) / HUNTS_FILE
+    if not path.is_file():
+        raise DataError(f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {folder}")
+    try:
+        table = pq.read_table(path, partitioning=None)
+        record = json.loads((table.schema.metadata or {})[_KEY])
+        frame = table.to_pandas()
+    except (pa.ArrowException, OSError, ValueError, KeyError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+        raise DataError(f"{path}: not readable results ({reason})") from None
+    frame.attrs = record
+    return frame
+
+
+def to_markdown(facts: dict[str, Any]) -> str:
+    """Return the summary as a Markdown document: totals, then per bearing."""
+    lines = [f"# {facts['experiment']}: success and catch time", ""]
+    if facts["note"]:
+        lines += [facts["note"], ""]
+    lines += [
+        f"Seed {facts['seed']}, bayeshunt {facts['version']}. Intervals are 95 % Wilson; a miss counts as the time limit.",
+        "",
+        "| planner | arena | theta [rad] | runs | caught | success | 95 % interval | mean time [s] | paper |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    totals = [row for row in facts["rows"] if row["theta"] is None]
+    bearings = [row for row in facts["rows"] if row["theta"] is not None]
+    lines += [_markdown_row(row) for row in [*totals, *bearings]]
+    return "\n".join(lines) + "\n"
+
+
+def _markdown_row(row: dict[str, Any]) -> str:
+    theta = "all" if row["theta"] is None else f"{row['theta']:g}"
+    paper = "" if row["paper_success"] is None else f"{row['paper_success']:.2%}"
+    return (
+        f"| {row['planner']} | {row['arena']} | {theta} | {row['runs']} | {row['caught']} | {row['success']:.2%} "
+        f"| {row['ci_low']:.2%} to {row['ci_high']:.2%} | {row['mean_time_s']:.2f} | {paper} |"
+    )

@@ -1,0 +1,299 @@
+"""The forward model: what each gait does, as probability tables learned from babbling.
+
+Naive Bayes network Gait -> Distance, Angle, Heading (the paper, section "Forward model"): complete
+data, known structure, uniform P(Gait), maximum-likelihood tables or a symmetric Dirichlet prior.
+Letters: G gaits, K bins of a variable, P part-way poses of a gait.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt import dataset, tables
+from bayeshunt.axes import EFFECTS, EffectAxes
+from bayeshunt.errors import DataError, InputError
+from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.geometry import Polar
+from bayeshunt.models import network, sampling
+from bayeshunt.models.counts import JointCounts
+
+#: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
+GAIT_PRIORS = ("uniform", "empirical")
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardModel:
+    """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
+
+    joint: the sufficient statistics; every table is derived from it and from the prior.
+    prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
+    gait_prior: "uniform" (the paper) or "empirical".
+    provenance: where the rows came from: ``{"sources": [record of each babbling table]}``.
+    """
+
+    joint: JointCounts
+    prior: float = 0.0
+    gait_prior: str = "uniform"
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        prior = self.prior
+        if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)):
+            raise InputError(f"prior is {prior!r}; expected a pseudo-count >= 0")
+        if not (math.isfinite(prior) and prior >= 0):
+            raise InputError(f"prior is {prior}; expected a finite pseudo-count >= 0")
+        object.__setattr__(self, "prior", float(prior))
+        if self.gait_prior not in GAIT_PRIORS:
+            raise InputError(f"gait_prior is {self.gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
+
+    # --- learning -----------------------------------------------------------------------------
+
+    @classmethod
+    def fit(
+        cls,
+        frame: pd.DataFrame,
+        gaits: Iterable[Gait | str] | GaitRepertoire,
+        prior: float = 0.0,
+        *,
+        axes: EffectAxes | None = None,
+        gait_prior: str = "uniform",
+    ) -> ForwardModel:
+        """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
+
+        frame: columns gait, distance [m], angle and heading [rad clockwise]; path columns optional.
+        gaits: a repertoire, or Gait objects or names, in table order.
+        prior: Dirichlet pseudo-count per cell, >= 0.
+        axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
+            to the farthest row.
+
+        Raises DataError if the table is wrong or, with prior 0, if a gait has no rows; InputError
+        for a bad prior.
+        """
+        model = cls.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
+        model._check_every_gait_seen()
+        fitted = network.fit(model.joint, model.prior)
+        learned = {**model._tables, "Gait": model._empirical_gaits()}
+        network.check_equal(fitted, learned)
+        return model
+
+    @classmethod
+    def empty(
+        cls,
+        gaits: Iterable[Gait | str] | GaitRepertoire,
+        prior: float = 0.0,
+        *,
+        axes: EffectAxes | None = None,
+        gait_prior: str = "uniform",
+    ) -> ForwardModel:
+        """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError."""
+        repertoire = GaitRepertoire.of(gaits)
+        grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
+        return cls(JointCounts.empty(repertoire, grid), prior, gait_prior)
+
+    def update(self, rows: pd.DataFrame) -> ForwardModel:
+        """Return a new model that has also counted ``rows``; equal to one batch fit of all rows.
+
+        Raises DataError if ``rows`` is not a babbling table of these gaits.
+        """
+        dataset.validate(rows, self.gaits.names)
+        joint = self.joint.merge(JointCounts.of(rows, self.gaits, self.axes))
+        sources = list(self.provenance.get("sources", []))
+        record = rows.attrs.get(dataset.PROVENANCE_KEY)
+        if record and record not in sources:
+            sources.append(record)
+        provenance = {**self.provenance, "sources": sources} if sources else self.provenance
+        return ForwardModel(joint, self.prior, self.gait_prior, provenance)
+
+    # --- tables -------------------------------------------------------------------------------
+
+    @property
+    def gaits(self) -> GaitRepertoire:
+        """The repertoire, in table order."""
+        return self.joint.gaits
+
+    @property
+    def axes(self) -> EffectAxes:
+        """The bins of Distance, Angle and Heading."""
+        return self.joint.axes
+
+    def probabilities(self, variable: str) -> np.ndarray:
+        """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".
+
+        Raises ZeroCountError if a gait has neither rows nor prior, InputError for another variable.
+        """
+        self._check_variable(variable)
+        return self._tables[variable]
+
+    def cpt(self, variable: str) -> pd.DataFrame:
+        """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""
+        return self._labelled(variable, self.probabilities(variable), "probability")
+
+    def counts(self, variable: str) -> pd.DataFrame:
+        """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count")."""
+        self._check_variable(variable)
+        return self._labelled(variable, self.joint.marginal(variable), "count")
+
+    def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
+
+        level: probability inside the interval, in (0, 1). With prior 0, Jeffreys' 1/2 is used.
+        """
+        self._check_variable(variable)
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level is {level}; expected a probability between 0 and 1")
+        counts = self.joint.marginal(variable)
+        column = counts[:, None] if variable == "Gait" else counts
+        low, high = tables.credible_interval(column, self.prior, level=level)
+        if variable == "Gait":
+            low, high = low[:, 0], high[:, 0]
+        return self._labelled(variable, low, "low"), self._labelled(variable, high, "high")
+
+    @cached_property
+    def network(self) -> Any:
+        """The model as a pgmpy DiscreteBayesianNetwork; states are gait names and bin labels."""
+        return network.build(self._tables, network.state_names(self.gaits, self.axes))
+
+    @cached_property
+    def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
+        """Mean pose of each gait after each of its P + 1 equal intervals; None without path columns.
+
+        The last is the mean final pose; heading is clockwise. Exact sums of the rows, not of bins.
+        """
+        if not self.joint.points:
+            return None
+        paths = np.stack([self.joint.mean_poses(gait) for gait in range(len(self.gaits))])
+        paths.setflags(write=False)
+        return paths
+
+    # --- what will happen ---------------------------------------------------------------------
+
+    def predict(self, gait: Gait | str) -> Polar:
+        """Return the expected pose after one step of ``gait``, in the robot's present frame.
+
+        The mean of forward, right [m] and the circular mean heading over the babbled rows
+        themselves (exact fixed-point sums), not over bin centres. Raises ZeroCountError if the
+        gait was never babbled: a prior says nothing about a pose.
+        """
+        index = self.gaits.index(gait)
+        forward, right, heading = self.joint.mean_poses(index)[-1].tolist()
+        return Polar.from_cartesian(forward, right, heading)
+
+    def sample(self, gait: Gait | str, n: int, *, rng: np.random.Generator) -> Polar:
+        """Return ``n`` outcomes of ``gait`` drawn from its three CPT columns: Polar of arrays [n].
+
+        Distance, angle and heading are independent given the gait (the network says so), uniform
+        within each bin.
+        """
+        index = self.gaits.index(gait)
+        if n < 0:
+            raise InputError(f"n is {n}; expected a number of samples >= 0")
+        return sampling.draw(self.axes, self._cumulative[index], rng.random((int(n), sampling.UNIFORMS)))
+
+    def outcomes(self, uniforms: np.ndarray) -> Polar:
+        """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
+
+        uniforms: [..., 6] in [0, 1): the first three choose the bins of Distance, Angle and Heading
+        by inverse CDF, the last three the place inside them. One array shared by all gaits gives
+        common random numbers. A bin of probability 0 is never chosen.
+        """
+        draws = sampling.check_uniforms(uniforms)
+        poses = [sampling.draw(self.axes, columns, draws) for columns in self._cumulative]
+        return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
+
+    def log_likelihood(self, frame: pd.DataFrame) -> float:
+        """Return sum over rows of log P(Gait) + log P(Distance, Angle, Heading | Gait), natural log.
+
+        -inf if the model gives some row probability 0 (with prior 0: a bin that the gait was never
+        seen in; always: beyond the distance axis).
+        """
+        dataset.validate(frame, self.gaits.names)
+        seen = JointCounts.of(frame, self.gaits, self.axes)
+        if seen.axes.distance.bins > self.axes.distance.bins:
+            return -math.inf
+        gait = seen.cells[:, 0]
+        with np.errstate(divide="ignore"):
+            logs = np.log(self._tables["Gait"][gait])
+            for column, effect in enumerate(EFFECTS, start=1):
+                logs = logs + np.log(self._tables[effect][seen.cells[:, column], gait])
+        return float(np.sum(seen.counts * logs))
+
+    # --- storing ------------------------------------------------------------------------------
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as JSON (counts, prior, axes, gaits, provenance); see ``models.store``."""
+        from bayeshunt.models import store
+
+        store.save(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ForwardModel:
+        """Read a model written by :meth:`save`; raises ModelFileError in one clear line."""
+        from bayeshunt.models import store
+
+        return store.load(path)
+
+    def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
+        """Export as XMLBIF for other programs, with a map of state labels beside it."""
+        from bayeshunt.models import xmlbif
+
+        xmlbif.write(self, path)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal counts, prior and gait prior, hence equal tables; provenance may differ."""
+        if not isinstance(other, ForwardModel):
+            return NotImplemented
+        same_prior = (self.prior, self.gait_prior) == (other.prior, other.gait_prior)
+        return same_prior and self.joint == other.joint
+
+    def __hash__(self) -> int:
+        return hash((self.joint, self.prior, self.gait_prior))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Only what defines the model: a worker process must not have to import pgmpy to receive it.
+        return ForwardModel, (self.joint, self.prior, self.gait_prior, self.provenance)
+
+    # --- inside -------------------------------------------------------------------------------
+
+    @cached_property
+    def _tables(self) -> dict[str, np.ndarray]:
+        derived = {e: tables.normalise(self.joint.marginal(e), self.prior, name=e) for e in EFFECTS}
+        count = len(self.gaits)
+        uniform = np.full(count, 1.0 / count)
+        derived["Gait"] = uniform if self.gait_prior == "uniform" else self._empirical_gaits()
+        for table in derived.values():
+            table.setflags(write=False)
+        return derived
+
+    def _empirical_gaits(self) -> np.ndarray:
+        return tables.normalise(self.joint.marginal("Gait")[:, None], self.prior, name="Gait")[:, 0]
+
+    def _check_every_gait_seen(self) -> None:
+        unseen = np.flatnonzero(self.joint.marginal("Gait") == 0)
+        if self.prior == 0 and unseen.size:
+            name = self.gaits.names[int(unseen[0])]
+            raise DataError(f"gait {name!r} has no rows; babble it, or fit with a prior > 0")
+
+    def _check_variable(self, variable: str) -> None:
+        if variable not in network.VARIABLES:
+            raise InputError(
+                f"unknown variable {variable!r}: expected one of {', '.join(network.VARIABLES)}"
+            )
+
+    def _labelled(self, variable: str, values: np.ndarray, column: str) -> pd.DataFrame:
+        if variable == "Gait":
+            return pd.DataFrame({column: values}, index=pd.Index(self.gaits.names, name="Gait"))
+        index = pd.Index(self.axes[variable].labels, name=variable)
+        return pd.DataFrame(values.copy(), index=index, columns=pd.Index(self.gaits.names, name="Gait"))
+
+    @cached_property
+    def _cumulative(self) -> list[tuple[np.ndarray, ...]]:
+        """Per gait, the CDF [K] of Distance, of Angle and of Heading."""
+        return list(zip(*(sampling.cumulative(self._tables[effect]) for effect in EFFECTS), strict=True))

@@ -1,0 +1,109 @@
+"""Answers of the inverse model: a posterior over gaits, and everything that says how good it is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.geometry import Polar
+
+
+class Cell(NamedTuple):
+    """A learned coordinate: the bins used as evidence, their centres and their labels.
+
+    distance [m], angle and heading [rad, clockwise] are bin centres; the heading fields are None
+    where no heading was asked.
+    """
+
+    distance_bin: int
+    angle_bin: int
+    distance: float
+    angle: float
+    distance_label: str
+    angle_label: str
+    heading_bin: int | None = None
+    heading: float | None = None
+    heading_label: str | None = None
+
+    @property
+    def evidence(self) -> dict[str, str]:
+        """Variable -> state label, as pgmpy takes evidence."""
+        known = {"Distance": self.distance_label, "Angle": self.angle_label}
+        return known if self.heading_label is None else {**known, "Heading": self.heading_label}
+
+
+class CellPosterior:
+    """P(Gait | evidence) of one cell, made once and shared by every answer that uses the cell.
+
+    values: read-only float64 [G]; evidence_probability: P(evidence); support: babbled rows in the
+    cell; best: the most probable gait (ties: first in table order).
+    """
+
+    __slots__ = ("best", "cell", "evidence_probability", "gaits", "support", "values")
+
+    def __init__(
+        self, cell: Cell, gaits: tuple[str, ...], values: np.ndarray, probability: float, support: int
+    ) -> None:
+        self.cell = cell
+        self.gaits = gaits
+        self.values = values
+        self.evidence_probability = probability
+        self.support = support
+        self.best = gaits[int(np.argmax(values))]
+
+
+class Posterior(NamedTuple):
+    """One answer: P(Gait | Distance, Angle [, Heading]) and the evidence that it rests on.
+
+    source: the posterior of the cell used. distance [m], angle, heading [rad]: what was asked.
+    snapped: the cell used is not the one that the question falls into.
+    """
+
+    source: CellPosterior
+    distance: float
+    angle: float
+    heading: float | None
+    snapped: bool
+
+    @property
+    def values(self) -> np.ndarray:
+        """Read-only float64 [G], in table order."""
+        return self.source.values
+
+    @property
+    def probabilities(self) -> pd.Series:
+        """P(Gait | evidence) by gait name."""
+        index = pd.Index(self.source.gaits, name="Gait")
+        return pd.Series(self.source.values.copy(), index=index, name="probability")
+
+    @property
+    def evidence_probability(self) -> float:
+        """P(evidence) under the model; the posterior rests on little where it is tiny."""
+        return self.source.evidence_probability
+
+    @property
+    def support(self) -> int:
+        """Babbled rows that fell into the cell used."""
+        return self.source.support
+
+    @property
+    def cell(self) -> Cell:
+        """The learned coordinate used."""
+        return self.source.cell
+
+    @property
+    def evidence(self) -> dict[str, str]:
+        """Variable -> state label, as pgmpy takes evidence."""
+        return self.source.cell.evidence
+
+    @property
+    def target(self) -> Polar:
+        """What was asked; the heading is None if none was given."""
+        return Polar(self.distance, self.angle, self.heading)
+
+    @property
+    def best(self) -> str:
+        """Name of the most probable gait; ties go to the first in table order."""
+        return self.source.best

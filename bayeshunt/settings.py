@@ -1,0 +1,202 @@
+"""Finding and reading settings files: presets by name, your own TOML by path."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tomllib
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from bayeshunt.config import ExperimentSettings, RobotSettings
+from bayeshunt.errors import ConfigError
+
+Kind = TypeVar("Kind", bound=BaseModel)
+
+_PRESETS = resources.files("bayeshunt") / "presets"
+
+
+def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
+    """Return a robot given by preset name ("khepera", "car"), by TOML path, or as settings.
+
+    Raises ConfigError in one line: file, key, what was expected.
+    """
+    if isinstance(robot, RobotSettings):
+        return robot
+    values, source = _read(robot, "robots")
+    return parse(RobotSettings, values, source)
+
+
+def load_experiment(
+    experiment: str | os.PathLike[str] | ExperimentSettings, overrides: dict[str, Any] | None = None
+) -> ExperimentSettings:
+    """Return an experiment given by preset name ("paper"), by TOML path, or as settings.
+
+    overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``.
+    A file may start from another with ``base = "paper"`` and change only some keys.
+    """
+    if isinstance(experiment, ExperimentSettings):
+        values, source = experiment.model_dump(), f"settings {experiment.name!r}"
+        if not overrides:
+            return experiment
+    else:
+        values, source = _read(experiment, "")
+        values = _resolve(values, source)
+    for key, value in (overrides or {}).items():
+        _set(values, key, value, source)
+    return parse(ExperimentSettings, values, source)
+
+
+def preset_names(folder: str = "") -> list[str]:
+    """Return the names of the presets that ship: experiments, or "robots"."""
+    place = _PRESETS / folder if folder else _PRESETS
+    return sorted(p.name.removesuffix(".toml") for p in place.iterdir() if p.name.endswith(".toml"))
+
+
+def parse(kind: type[Kind], values: Any, source: str) -> Kind:
+    """Return ``values`` as settings of ``kind``; a ConfigError names ``source``, the key and the mend."""
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise ConfigError(f"{source}: {_explain(error, kind)}") from None
+
+
+def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], str]:
+    """Return the parsed TOML of a preset name or path and what to call it in a message."""
+    text = os.fspath(name)
+    if not text.endswith(".toml") and os.sep not in text:
+        known = preset_names(folder)
+        if text not in known:
+            near = difflib.get_close_matches(text, known, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; expected {', '.join(known)} or a path to a .toml file"
+            raise ConfigError(f"no preset called {text!r}{hint}")
+        place: Any = (_PRESETS / folder if folder else _PRESETS) / f"{text}.toml"
+        source = f"preset {text!r}"
+    else:
+        place, source = Path(text), text
+    try:
+        return tomllib.loads(place.read_text(encoding="utf-8")), source
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{source}: not valid TOML: {error}") from None
+    except UnicodeDecodeError:
+        raise ConfigError(f"{source}: not a text file in UTF-8") from None
+    except OSError as error:
+        raise ConfigError(f"{source}: cannot be read ({error.strerror or error})") from None
+
+
+def _resolve(values: dict[str, Any], source: str) -> dict[str, Any]:
+    """Apply ``base`` and replace a robot given by name or path by its settings."""
+    folder = Path(source).parent if source.endswith(".toml") else Path()
+    base = values.pop("base", None)
+    if base is not None:
+        if not isinstance(base, str) or base not in preset_names():
+            raise ConfigError(f"{source}: base: expected a preset ({', '.join(preset_names())}), got {base!r}")
+        below, _ = _read(base, "")
+        values = _merge(_resolve(below, base), values)
+        if "name" not in values:
+            values["name"] = Path(source).stem
+    robot = values.get("robot")
+    if isinstance(robot, str):
+        path = folder / robot if robot.endswith(".toml") else robot
+        values["robot"] = load_robot(path).model_dump()
+    return values
+
+
+def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        old = merged.get(key)
+        merged[key] = _merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+    return merged
+
+
+def _set(values: dict[str, Any], dotted: str, value: Any, source: str) -> None:
+    *groups, last = dotted.split(".")
+    place = values
+    for group in groups:
+        inner = place.setdefault(group, {})
+        if not isinstance(inner, dict):
+            raise ConfigError(f"{source}: {dotted}: {group!r} is not a group of settings")
+        place[group] = place = dict(inner)
+    place[last] = value
+
+
+def _explain(error: ValidationError, kind: type[BaseModel]) -> str:
+    """One line for the first thing that is wrong."""
+    first = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        near = difflib.get_close_matches(str(first["loc"][-1]), _keys_at(kind, first["loc"][:-1]), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "it is not a setting"
+        return f"{key}: unknown key; {hint}"
+    if first["type"] == "missing":
+        return f"{key}: required, but not given"
+    message = str(first["msg"]).removeprefix("Value error, ")
+    if not key:
+        return message
+    given = first.get("input")
+    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
+    return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
+
+
+def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
+    """Names of the settings that may stand at ``location``."""
+    for part in location:
+        fields = getattr(kind, "model_fields", {})
+        if part in fields:
+            kind = _settings_inside(fields[part].annotation) or kind
+    return list(getattr(kind, "model_fields", {}))
+
+
+def describe(kind: str) -> list[dict[str, Any]]:
+    """Return every key of an "experiment" or "robot" settings file: key, type, default, meaning.
+
+    Raises ConfigError for another kind.
+    """
+    kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
+    if kind not in kinds:
+        raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
+    return list(_describe(kinds[kind], ""))
+
+
+def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
+    schema = kind.model_json_schema()["properties"]
+    for name, info in kind.model_fields.items():
+        inner = _settings_inside(info.annotation)
+        if inner is not None:
+            many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
+            yield from _describe(inner, f"{prefix}{name}{many}.")
+            continue
+        default = None if info.is_required() else info.get_default(call_default_factory=True)
+        yield {
+            "key": prefix + name,
+            "range": _range(schema.get(name, {})),
+            "default": "required" if info.is_required() else default,
+            "meaning": info.description or "",
+        }
+
+
+def _settings_inside(annotation: Any) -> type[BaseModel] | None:
+    """The settings class that an annotation is or holds, if any."""
+    options = [annotation, *getattr(annotation, "__args__", ())]
+    return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
+
+
+def _range(schema: dict[str, Any]) -> str:
+    """A readable range from a JSON schema."""
+    if "enum" in schema:
+        return " | ".join(map(str, schema["enum"]))
+    if "anyOf" in schema:
+        return " | ".join(_range(option) for option in schema["anyOf"])
+    low = schema.get("minimum", schema.get("exclusiveMinimum"))
+    high = schema.get("maximum", schema.get("exclusiveMaximum"))
+    text = str(schema.get("type", "any")).replace("null", "none")
+    if low is not None:
+        text += f" {'>=' if 'minimum' in schema else '>'} {low:g}"
+    if high is not None and high < 1e6:
+        text += f" {'<=' if 'maximum' in schema else '<'} {high:g}"
+    return text

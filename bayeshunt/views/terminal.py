@@ -1,0 +1,125 @@
+"""What people see in a terminal: tables, bars, progress. Messages go to stderr, results to stdout."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+
+out = Console(highlight=False)
+messages = Console(stderr=True, highlight=False)
+
+_BAR = 30  # characters of a full bar
+
+
+@contextlib.contextmanager
+def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Callable[[int], None]]:
+    """Show a progress bar on stderr while the block runs; yields the function that advances it."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=messages, transient=True, disable=quiet) as progress:
+        task = progress.add_task(label, total=total)
+        yield lambda count: progress.update(task, advance=count)
+
+
+def say(text: str) -> None:
+    """Print one message line on stderr."""
+    messages.print(text, soft_wrap=True, markup=False)
+
+
+def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
+    """Print the table of an evaluation: the totals, the paper's figures beside ours."""
+    table = Table(title=f"{facts['experiment']}: seed {facts['seed']}", title_justify="left")
+    for name in ("planner", "arena", "theta"):
+        table.add_column(name, no_wrap=True)
+    for name in ("caught", "success", "95 % interval", "mean time", "paper", "difference"):
+        table.add_column(name, justify="right", no_wrap=True)
+    previous = None
+    for row in facts["rows"]:
+        total = row["theta"] is None
+        if not total and not per_theta:
+            continue
+        place = row["arena"] if not per_theta else (row["planner"], row["arena"])
+        if previous is not None and place != previous:
+            table.add_section()
+        previous = place
+        table.add_row(*_cells(row), style="bold" if total and per_theta else None)
+    out.print(table)
+    if facts["note"]:
+        out.print(Text(facts["note"], style="italic"))
+    out.print("Intervals: 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+
+
+def episode_table(episode: Any) -> None:
+    """Print one hunt: a row per decision, then how it ended."""
+    table = Table(title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance))
+    for name in ("step", "time", "prey at", "bearing", "aims at", "gait", "why", "prey seen"):
+        table.add_column(name, justify="left" if name in ("gait", "why") else "right", no_wrap=True)
+    for row in episode.frame.itertuples():
+        aim = "" if math.isnan(row.target_distance) else f"{row.target_distance:.3f} m"
+        table.add_row(
+            str(row.step), f"{row.time:.1f} s", f"{row.seen_distance:.3f} m", f"{math.degrees(row.seen_angle):+.0f} deg",
+            aim, row.gait, f"{row.value:.3g} ({row.objective})", f"{row.prey_observations} moves",
+        )  # fmt: skip
+    out.print(table)
+    out.print(f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s", style="bold")
+
+
+def settings_table(rows: list[dict[str, Any]]) -> None:
+    """Print every settings key with its range, default and meaning."""
+    table = Table(box=None, pad_edge=False)
+    for name in ("key", "range", "default", "meaning"):
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(str(row[name])) for name in ("key", "range", "default", "meaning")))
+    out.print(table)
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    paper = row["paper_success"]
+    return [
+        row["planner"],
+        row["arena"],
+        "all" if row["theta"] is None else f"{row['theta']:g}",
+        f"{row['caught']}/{row['runs']}",
+        f"{row['success']:.1%}",
+        f"{row['ci_low']:.1%} - {row['ci_high']:.1%}",
+        f"{row['mean_time_s']:.1f} s",
+        "" if paper is None else f"{paper:.1%}",
+        "" if paper is None else f"{100 * (row['success'] - paper):+.1f}",
+    ]
+
+
+def posterior_bars(answer: Any) -> None:
+    """Print a posterior over gaits as bars, with what it rests on."""
+    cell = answer.cell
+    out.print(Text("P(Gait | Distance, Angle" + (", Heading)" if cell.heading_label else ")"), style="bold"))
+    table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_column("gait", no_wrap=True)
+    table.add_column("bar", no_wrap=True, min_width=_BAR)
+    table.add_column("probability", justify="right")
+    for gait, probability in answer.probabilities.items():
+        style = "bold" if gait == answer.best else None
+        table.add_row(str(gait), _bar(float(probability)), f"{probability:.4f}", style=style)
+    out.print(table)
+    out.print(f"learned coordinate   {', '.join(f'{k} {v}' for k, v in answer.evidence.items())}")
+    if answer.snapped:
+        out.print("                     (nearest to the target, which was never babbled)")
+    out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
+    out.print(f"support              {answer.support} babbling rows")
+
+
+def _bar(share: float) -> str:
+    eighths = round(share * _BAR * 8)
+    return "█" * (eighths // 8) + ("▏▎▍▌▋▊▉"[eighths % 8 - 1] if eighths % 8 else "")

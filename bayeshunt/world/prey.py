@@ -1,0 +1,176 @@
+"""Prey behaviours: what a prey does with its two wheels, one control interval at a time.
+
+A behaviour is anything with the :class:`Prey` protocol; :func:`register_prey` gives it a name
+that settings files can use.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from bayeshunt.config import ArenaSettings, PreySettings
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import wrap
+from bayeshunt.world.noise import gaussians
+from bayeshunt.world.sensors import proximity
+
+#: Braitenberg weights of the eight sensors on (left, right) wheel: Webots' Khepera controller.
+BRAITENBERG = ((-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5))
+#: Wheel speed units that the controller may ask for.
+MAX_UNITS = 10.0
+
+
+class Prey(Protocol):
+    """A prey's controller. It is made anew for every trial and may keep a state."""
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """Return left and right wheel speed [m/s] for the next control interval.
+
+        x, y [m], theta [rad, counter-clockwise]: the prey's pose in the arena; hunter_x, hunter_y [m].
+        """
+        ...
+
+
+class Context:
+    """What a behaviour may know when it is made.
+
+    settings: the prey's settings. arena: the arena's. hunter_radius, hunter_length [m].
+    interval: seconds between two calls of ``act``. rng: the prey's own random generator.
+    """
+
+    def __init__(
+        self,
+        settings: PreySettings,
+        arena: ArenaSettings,
+        hunter_diameter: float,
+        interval: float,
+        rng: np.random.Generator,
+    ) -> None:
+        self.settings = settings
+        self.arena = arena
+        self.hunter_diameter = hunter_diameter
+        self.interval = interval
+        self.rng = rng
+
+    @property
+    def walls(self) -> tuple[float, float] | None:
+        """Half width and half height [m], None in an open arena."""
+        return (0.5 * self.arena.width, 0.5 * self.arena.height) if self.arena.walled else None
+
+    def wheels(self, speed: float, turn: float) -> tuple[float, float]:
+        """Wheel speeds [m/s] for a forward speed [m/s] and a turning rate [rad/s, counter-clockwise]."""
+        difference = 0.5 * turn * self.settings.body.axle
+        return speed - difference, speed + difference
+
+
+class Braitenberg:
+    """Webots' Khepera obstacle avoider: straight ahead in free space, away from what its sensors see.
+
+    ``wheel_i = sum_j M[j][i] (1 - s_j / 512)``, clipped to +-10 units; 3 units are the free speed.
+    """
+
+    def __init__(self, context: Context) -> None:
+        self._range = context.settings.sensor_range
+        self._noise = context.settings.sensor_noise
+        self._walls = context.walls
+        self._hunter_radius = 0.5 * context.hunter_diameter if context.settings.senses_hunter else None
+        self._metres_per_unit = context.settings.speed / sum(row[0] for row in BRAITENBERG)
+        self._free = self._wheels([0.0] * 8)
+        self._normals = gaussians(context.rng)
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`."""
+        disc = None if self._hunter_radius is None else (hunter_x, hunter_y, self._hunter_radius)
+        values = proximity(x, y, theta, self._range, self._walls, disc)
+        if values is None:
+            return self._free
+        noise, normals = self._noise, self._normals
+        return self._wheels([s * (1.0 + noise * next(normals)) if s else 0.0 for s in values])
+
+    def _wheels(self, values: list[float]) -> tuple[float, float]:
+        left = right = 0.0
+        for (to_left, to_right), value in zip(BRAITENBERG, values, strict=True):
+            excitation = 1.0 - value / 512.0
+            left += to_left * excitation
+            right += to_right * excitation
+        scale = self._metres_per_unit
+        return _clip(left) * scale, _clip(right) * scale
+
+
+class Straight:
+    """Drives straight ahead at its free speed, whatever comes."""
+
+    def __init__(self, context: Context) -> None:
+        self._wheels = (context.settings.speed, context.settings.speed)
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`."""
+        return self._wheels
+
+
+class RandomWalk:
+    """Drives at its free speed; its turning rate is an Ornstein-Uhlenbeck process."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._keep = math.exp(-context.interval / context.settings.turn_time)
+        self._kick = context.settings.turn_sd * math.sqrt(1.0 - self._keep**2)
+        self._turn = 0.0
+        self._normals = gaussians(context.rng)
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`."""
+        self._turn = self._keep * self._turn + self._kick * next(self._normals)
+        return self._context.wheels(self._context.settings.speed, self._turn)
+
+
+class Evader:
+    """Drives straight ahead and turns away from the hunter when that is near."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._near = context.settings.flee_distance * context.hunter_diameter
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`."""
+        settings = self._context.settings
+        away_x, away_y = x - hunter_x, y - hunter_y
+        if math.hypot(away_x, away_y) > self._near:
+            return settings.speed, settings.speed
+        error = wrap(math.atan2(away_y, away_x) - theta)
+        turn = max(-settings.turn_rate, min(settings.turn_rate, error / self._context.interval))
+        return self._context.wheels(settings.speed, turn)
+
+
+_BEHAVIOURS: dict[str, Callable[[Context], Prey]] = {
+    "braitenberg": Braitenberg,
+    "straight": Straight,
+    "random_walk": RandomWalk,
+    "evader": Evader,
+}
+
+
+def register_prey(name: str, behaviour: Callable[[Context], Prey]) -> None:
+    """Give a behaviour a name that ``prey.behaviour`` in a settings file may use."""
+    _BEHAVIOURS[name] = behaviour
+
+
+def prey_names() -> list[str]:
+    """Return the names of all behaviours."""
+    return sorted(_BEHAVIOURS)
+
+
+def build_prey(context: Context) -> Prey:
+    """Return a fresh controller; InputError if the settings name no known behaviour."""
+    name = context.settings.behaviour
+    if name not in _BEHAVIOURS:
+        raise InputError(f"prey.behaviour: unknown behaviour {name!r}; expected one of {', '.join(prey_names())}")
+    return _BEHAVIOURS[name](context)
+
+
+def _clip(units: float) -> float:
+    return max(-MAX_UNITS, min(MAX_UNITS, units))

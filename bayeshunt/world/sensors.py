@@ -1,0 +1,90 @@
+"""The Khepera's eight infrared proximity sensors, in closed form: rays against walls and discs.
+
+Positions and directions are those of Webots' model of the robot. A value falls linearly from
+1023 at contact to 0 at the sensor's range. A test holds the rays to Box2D's ``RayCast``.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
+
+#: Sensor positions [m] (x right, y forward of the centre) and directions [degrees counter-clockwise from x].
+KHEPERA_SENSORS = (
+    (-0.0245, 0.012, 175.0),
+    (-0.0185, 0.021, 135.0),
+    (-0.0075, 0.027, 90.0),
+    (0.0075, 0.027, 90.0),
+    (0.0185, 0.021, 45.0),
+    (0.0245, 0.012, 5.0),
+    (0.009, -0.026, 270.0),
+    (-0.009, -0.026, 270.0),
+)
+#: Value of a sensor that touches an obstacle.
+MAX_VALUE = 1023.0
+
+#: The same sensors as bearing and distance of the origin and bearing of the ray, counter-clockwise from the heading.
+_MOUNTS = tuple(
+    (hypot(x, y), atan2(y, x) - 0.5 * pi, radians(direction) - 0.5 * pi) for x, y, direction in KHEPERA_SENSORS
+)
+#: Largest distance of a sensor from the robot's centre [m].
+MOUNT_RADIUS = max(hypot(x, y) for x, y, _ in KHEPERA_SENSORS)
+
+
+def rays(x: float, y: float, theta: float) -> list[tuple[float, float, float, float]]:
+    """Return origin x, y [m] and unit direction x, y of each sensor of a robot at (x, y, theta)."""
+    result = []
+    for distance, mount, direction in _MOUNTS:
+        bearing, towards = theta + mount, theta + direction
+        result.append((x + distance * cos(bearing), y + distance * sin(bearing), cos(towards), sin(towards)))
+    return result
+
+
+def distance_to_walls(ox: float, oy: float, dx: float, dy: float, half_width: float, half_height: float) -> float:
+    """Return metres from (ox, oy) along (dx, dy) to the walls of a rectangle centred on the origin.
+
+    The origin is inside the rectangle (or touches it: then the distance is not below 0).
+    """
+    along_x = (half_width - ox) / dx if dx > 0 else (-half_width - ox) / dx if dx < 0 else inf
+    along_y = (half_height - oy) / dy if dy > 0 else (-half_height - oy) / dy if dy < 0 else inf
+    return max(0.0, min(along_x, along_y))
+
+
+def distance_to_disc(ox: float, oy: float, dx: float, dy: float, cx: float, cy: float, radius: float) -> float:
+    """Return metres from (ox, oy) along (dx, dy) to a disc; inf where the ray misses, 0 from inside."""
+    fx, fy = cx - ox, cy - oy
+    gap = fx * fx + fy * fy - radius * radius
+    if gap <= 0:
+        return 0.0
+    along = fx * dx + fy * dy
+    # |t d - f|^2 = r^2  ->  t = along - sqrt(along^2 - gap)
+    reach = along * along - gap
+    return along - sqrt(reach) if along > 0 and reach >= 0 else inf
+
+
+def proximity(
+    x: float,
+    y: float,
+    theta: float,
+    sensor_range: float,
+    walls: tuple[float, float] | None,
+    disc: tuple[float, float, float] | None,
+) -> list[float] | None:
+    """Return the eight noise-free sensor values, or None where nothing is within any sensor's reach.
+
+    walls: half width and half height [m] of the arena, None when open.
+    disc: centre x, y and radius [m] of another robot, None when it is not sensed.
+    """
+    reach = MOUNT_RADIUS + sensor_range
+    if walls is not None and abs(x) + reach < walls[0] and abs(y) + reach < walls[1]:
+        walls = None
+    if disc is not None and hypot(disc[0] - x, disc[1] - y) > reach + disc[2]:
+        disc = None
+    if walls is None and disc is None:
+        return None
+    values = []
+    for ox, oy, dx, dy in rays(x, y, theta):
+        nearest = distance_to_walls(ox, oy, dx, dy, *walls) if walls is not None else inf
+        if disc is not None:
+            nearest = min(nearest, distance_to_disc(ox, oy, dx, dy, *disc))
+        values.append(MAX_VALUE * (1.0 - nearest / sensor_range) if nearest < sensor_range else 0.0)
+    return values
