@@ -283,9 +283,7 @@ class ForwardModel:
 
     def _check_variable(self, variable: str) -> None:
         if variable not in network.VARIABLES:
-            raise InputError(
-                f"unknown variable {variable!r}: expected one of {', '.join(network.VARIABLES)}"
-            )
+            raise InputError(f"unknown variable {variable!r}: expected one of {', '.join(network.VARIABLES)}")
 
     def _labelled(self, variable: str, values: np.ndarray, column: str) -> pd.DataFrame:
         if variable == "Gait":

@@ -69,7 +69,9 @@ class InverseModel:
         """
         d, a = float(distance), float(angle)
         if not (0.0 <= d < _INF and -_INF < a < _INF):
-            raise InputError(f"target ({distance}, {angle}): expected distance >= 0 [m] and a finite angle [rad]")
+            raise InputError(
+                f"target ({distance}, {angle}): expected distance >= 0 [m] and a finite angle [rad]"
+            )
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
         a_bin = _PI - (_PI - a) % _TWO_PI
         a_bin = _floor(((a_bin if a_bin > -_PI else _PI) - self._angle_edge) / self._angle_width)
@@ -206,7 +208,9 @@ class InverseModel:
             return int(self.model.joint.support[d_bin, a_bin])
         if self._heading_counts is None:
             self._heading_counts = {}
-            for cell, count in zip(self.model.joint.cells.tolist(), self.model.joint.counts.tolist(), strict=True):
+            for cell, count in zip(
+                self.model.joint.cells.tolist(), self.model.joint.counts.tolist(), strict=True
+            ):
                 place = (cell[1], cell[2], cell[3])
                 self._heading_counts[place] = self._heading_counts.get(place, 0) + count
         return self._heading_counts.get((d_bin, a_bin, h_bin), 0)

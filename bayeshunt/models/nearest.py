@@ -76,7 +76,9 @@ class NearestPoint:
         numbers = np.maximum(np.frexp(reach / self._radius)[1], 0)
         found = np.empty(len(forward), dtype=np.int64)
         for number in np.flatnonzero(np.bincount(np.minimum(numbers, _LEVELS + 1))):
-            here = np.flatnonzero(numbers == number) if number <= _LEVELS else np.flatnonzero(numbers > _LEVELS)
+            here = (
+                np.flatnonzero(numbers == number) if number <= _LEVELS else np.flatnonzero(numbers > _LEVELS)
+            )
             search = self._find_in_level if number <= _LEVELS else self._compare_all_of
             found[here] = search(int(number), forward[here], right[here])
         return found
@@ -184,7 +186,12 @@ class NearestPoint:
         return lengths, np.concatenate(flat)
 
     def _unbeaten(
-        self, low_x: np.ndarray, high_x: np.ndarray, low_y: np.ndarray, high_y: np.ndarray, winners: np.ndarray
+        self,
+        low_x: np.ndarray,
+        high_x: np.ndarray,
+        low_y: np.ndarray,
+        high_y: np.ndarray,
+        winners: np.ndarray,
     ) -> np.ndarray:
         """[R, M] True where no corner's winner beats the point at all four corners, ties aside."""
         at = [(low_x, low_y), (low_x, high_y), (high_x, low_y), (high_x, high_y)]

@@ -60,9 +60,7 @@ def fit(joint: JointCounts, prior: float) -> Any:
     # State names are always given: pgmpy would drop unseen states and count what it saw.
     states = state_names(joint.gaits, joint.axes)
     if prior > 0:
-        estimator = DiscreteBayesianEstimator(
-            prior_type="dirichlet", pseudo_counts=prior, state_names=states
-        )
+        estimator = DiscreteBayesianEstimator(prior_type="dirichlet", pseudo_counts=prior, state_names=states)
     else:
         estimator = DiscreteMLE(state_names=states)
     rows = pd.DataFrame(
