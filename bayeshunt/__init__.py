@@ -75,7 +75,7 @@ _HOMES = {
     "hunt": ("bayeshunt.hunting", "hunt"),
 }
 
-__all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604
+__all__ = ["__version__", *sorted(_HOMES)]
 
 
 def __getattr__(name: str) -> Any:

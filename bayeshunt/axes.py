@@ -76,8 +76,7 @@ class Axis:
             return tuple(f"{_trim(math.degrees(c))} deg" for c in self.centres)
         millimetres = self.edges * 1000.0
         return tuple(
-            f"{_trim(low)}-{_trim(high)} mm"
-            for low, high in zip(millimetres[:-1], millimetres[1:], strict=True)
+            f"{_trim(low)}-{_trim(high)} mm" for low, high in zip(millimetres[:-1], millimetres[1:], strict=True)
         )
 
     def index(self, values: Any) -> Any:

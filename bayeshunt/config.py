@@ -194,5 +194,7 @@ class ExperimentSettings(Settings):
         reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter
         for name, arena in self.arenas.items():
             if arena.walled and reach > 0.5 * min(arena.width, arena.height):
-                raise ValueError(f"arenas.{name}: the prey would start in a wall; make it larger than {2 * reach:.3f} m")
+                raise ValueError(
+                    f"arenas.{name}: the prey would start in a wall; make it larger than {2 * reach:.3f} m"
+                )
         return self

@@ -136,4 +136,6 @@ class Episode:
             return cls(record["caught"], record["time"], table.to_pandas(), trail, record)
         except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
             reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-            raise DataError(f"{name}: not an episode ({reason}); expected a file made by bayeshunt hunt --out") from None
+            raise DataError(
+                f"{name}: not an episode ({reason}); expected a file made by bayeshunt hunt --out"
+            ) from None

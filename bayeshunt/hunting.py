@@ -64,7 +64,14 @@ def hunt(
     for situation, plan, moment, observed in trial.decide(planner):
         steps.append(Step.of(len(steps), moment, situation, plan, observed))
     return Episode.assemble(
-        steps, trail, trial.result, settings=settings, planner=planner.name, arena=arena, theta=theta, seed=seed
+        steps,
+        trail,
+        trial.result,
+        settings=settings,
+        planner=planner.name,
+        arena=arena,
+        theta=theta,
+        seed=seed,
     )
 
 
@@ -115,13 +122,17 @@ class _Trial:
         arena, robot = self.arena, self.settings.robot
         limit, previous_gait = self.settings.protocol.time_limit, None
         previous: Moment | None = None
+        transitions: tuple[Polar, ...] = ()
         while not arena.caught and arena.time < limit - 1e-9:
             moment = Moment(arena.time, arena.hunter.pose, arena.prey.pose)
             observed = self._observe(previous, moment)
+            if observed is not None:
+                transitions = (*transitions, observed)
             situation = Situation(
                 prey=moment.hunter.relative(moment.prey), prey_model=self.prey_model,
                 body_length=robot.body.diameter, time=moment.time, step=self.decisions,
                 previous_gait=previous_gait, time_step=robot.gait_duration,
+                transitions=transitions, pose=moment.hunter,
             )  # fmt: skip
             plan = planner.plan(situation, rng=self.rng)
             yield situation, plan, moment, observed
@@ -169,4 +180,3 @@ def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int) ->
         raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
     if isinstance(theta, (str, bool)) or not math.isfinite(theta):
         raise InputError(f"theta: expected a finite number of radians, got {theta!r}")
-

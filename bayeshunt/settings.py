@@ -72,7 +72,9 @@ def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], st
         known = preset_names(folder)
         if text not in known:
             near = difflib.get_close_matches(text, known, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; expected {', '.join(known)} or a path to a .toml file"
+            hint = (
+                f"; did you mean {near[0]!r}?" if near else f"; expected {', '.join(known)} or a path to a .toml file"
+            )
             raise ConfigError(f"no preset called {text!r}{hint}")
         place: Any = (_PRESETS / folder if folder else _PRESETS) / f"{text}.toml"
         source = f"preset {text!r}"

@@ -43,9 +43,7 @@ def check_cpt(probabilities: np.ndarray, *, name: str = "CPT", tolerance: float 
         raise BayesHuntError(f"{name}: a column sums to {1 + off.max():.12g}, not 1")
 
 
-def credible_interval(
-    counts: np.ndarray, prior: float = 0.0, *, level: float = 0.95
-) -> tuple[np.ndarray, np.ndarray]:
+def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
     """Return lower and upper bounds [K, J] of each cell's equal-tailed Dirichlet credible interval.
 
     The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a). Where the prior is 0 the

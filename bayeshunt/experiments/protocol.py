@@ -29,7 +29,9 @@ def hunt_seed(seed: int, theta_index: int, run: int) -> int:
     return int(np.random.SeedSequence([seed, theta_index, run]).generate_state(1, np.uint64)[0] >> 1)
 
 
-def plan_hunts(settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int) -> list[HuntTask]:
+def plan_hunts(
+    settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int
+) -> list[HuntTask]:
     """Return every hunt of the protocol in the order of the results.
 
     Raises InputError for an arena that the settings lack or a name that is given twice.

@@ -44,7 +44,9 @@ def check_output_folder(folder: str | os.PathLike[str]) -> Path:
     return path
 
 
-def save_results(results: pd.DataFrame, settings: ExperimentSettings, seed: int, folder: str | os.PathLike[str]) -> None:
+def save_results(
+    results: pd.DataFrame, settings: ExperimentSettings, seed: int, folder: str | os.PathLike[str]
+) -> None:
     """Write hunts.parquet, summary.json and summary.md into ``folder``, each replaced atomically."""
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -54,9 +54,7 @@ class InverseModel:
         self._others: dict[tuple[int, int, int | None], CellPosterior | None] = {}
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
 
-    def posterior(
-        self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True
-    ) -> Posterior:
+    def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
         """Return P(Gait | evidence) for a target in the robot's frame.
 
         distance: metres, >= 0. angle, heading: radians clockwise; any finite value, it is wrapped.
@@ -69,9 +67,7 @@ class InverseModel:
         """
         d, a = float(distance), float(angle)
         if not (0.0 <= d < _INF and -_INF < a < _INF):
-            raise InputError(
-                f"target ({distance}, {angle}): expected distance >= 0 [m] and a finite angle [rad]"
-            )
+            raise InputError(f"target ({distance}, {angle}): expected distance >= 0 [m] and a finite angle [rad]")
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
         a_bin = _PI - (_PI - a) % _TWO_PI
         a_bin = _floor(((a_bin if a_bin > -_PI else _PI) - self._angle_edge) / self._angle_width)
@@ -160,9 +156,7 @@ class InverseModel:
             rows[far] = self._nearest.find_many(d * np.cos(a), d * np.sin(a))
         return rows
 
-    def _careful(
-        self, d: float, a: float, heading: float | None, snap: bool, d_bin: float, a_bin: int
-    ) -> Posterior:
+    def _careful(self, d: float, a: float, heading: float | None, snap: bool, d_bin: float, a_bin: int) -> Posterior:
         """The answer when a heading is given or snapping is forbidden."""
         if heading is not None and not math.isfinite(heading):
             raise InputError(f"target heading {heading}: expected a finite angle [rad]")
@@ -208,9 +202,7 @@ class InverseModel:
             return int(self.model.joint.support[d_bin, a_bin])
         if self._heading_counts is None:
             self._heading_counts = {}
-            for cell, count in zip(
-                self.model.joint.cells.tolist(), self.model.joint.counts.tolist(), strict=True
-            ):
+            for cell, count in zip(self.model.joint.cells.tolist(), self.model.joint.counts.tolist(), strict=True):
                 place = (cell[1], cell[2], cell[3])
                 self._heading_counts[place] = self._heading_counts.get(place, 0) + count
         return self._heading_counts.get((d_bin, a_bin, h_bin), 0)
@@ -226,4 +218,4 @@ class InverseModel:
     def _impossible(self, d: float, a: float, h: float | None) -> str:
         asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g} deg"
         asked += "" if h is None else f", Heading = {math.degrees(h):g} deg"
-        return f"P({asked}) = 0 under this model: no gait does that; ask with snap=True for the nearest that was learned"
+        return f"P({asked}) = 0 under this model: no gait does that; snap=True gives the nearest learned cell"

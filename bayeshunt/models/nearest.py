@@ -76,9 +76,7 @@ class NearestPoint:
         numbers = np.maximum(np.frexp(reach / self._radius)[1], 0)
         found = np.empty(len(forward), dtype=np.int64)
         for number in np.flatnonzero(np.bincount(np.minimum(numbers, _LEVELS + 1))):
-            here = (
-                np.flatnonzero(numbers == number) if number <= _LEVELS else np.flatnonzero(numbers > _LEVELS)
-            )
+            here = np.flatnonzero(numbers == number) if number <= _LEVELS else np.flatnonzero(numbers > _LEVELS)
             search = self._find_in_level if number <= _LEVELS else self._compare_all_of
             found[here] = search(int(number), forward[here], right[here])
         return found

@@ -65,7 +65,7 @@ def fit(joint: JointCounts, prior: float) -> Any:
         estimator = DiscreteMLE(state_names=states)
     rows = pd.DataFrame(
         {
-            name: pd.Categorical.from_codes(joint.cells[:, column], categories=states[name])
+            name: pd.Categorical.from_codes(joint.cells[:, column], categories=pd.Index(states[name]))
             for column, name in enumerate(VARIABLES)
         }
     )

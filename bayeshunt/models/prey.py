@@ -234,9 +234,7 @@ class PreyModel:
     def _centres(self, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Headings [K] and displacements [K] (forward + i right, metres) of cells' centres."""
         distances = (cells[:, 0] + 0.5) * self.axes.distance.width
-        return self.axes.heading.centres[cells[:, 2]], distances * np.exp(
-            1j * self.axes.angle.centres[cells[:, 1]]
-        )
+        return self.axes.heading.centres[cells[:, 2]], distances * np.exp(1j * self.axes.angle.centres[cells[:, 1]])
 
     def _index(self, cells: np.ndarray) -> pd.MultiIndex:
         axes = self.axes.extended(int(cells[:, 0].max()) + 1 if len(cells) else 1)

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar
+from bayeshunt.geometry import Polar, Pose
 
 
 class PreyPredictor(Protocol):
@@ -40,6 +40,9 @@ class Situation:
     time: seconds since the hunt began. step: number of decisions taken before this one.
     previous_gait: the gait just executed, None at the first step.
     time_step: seconds that one gait is held.
+    transitions: the prey's pose transitions observed in this hunt, oldest first, each in the prey's
+        own earlier frame, one per time-step: the raw data behind ``prey_model``.
+    pose: the hunter's own pose (dead reckoning) in the frame it started in, None if it does not know.
     """
 
     prey: Polar
@@ -49,6 +52,8 @@ class Situation:
     step: int = 0
     previous_gait: str | None = None
     time_step: float = 3.328
+    transitions: tuple[Polar, ...] = ()
+    pose: Pose | None = None
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.prey)) or self.prey.distance < 0:

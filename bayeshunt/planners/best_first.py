@@ -75,9 +75,7 @@ class PlanningSettings:
             raise InputError(f"planning: stop_distance must be body lengths >= 0, got {self.stop_distance!r}")
         for name, choices in (("order", ORDERS), ("rollouts", ROLLOUTS)):
             if getattr(self, name) not in choices:
-                raise InputError(
-                    f"planning: {name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
-                )
+                raise InputError(f"planning: {name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}")
         if not callable(self.objective):
             raise InputError(f"planning: objective must be a function, got {self.objective!r}")
 
@@ -182,10 +180,7 @@ def _sequences(last: list[str], parents: list[int]) -> list[str]:
     whole: list[tuple[str, ...]] = [()]
     for gait, parent in zip(last[1:], parents[1:], strict=True):
         whole.append((*whole[parent], gait))
-    return [
-        ", ".join(f"{gait} x{len(list(run))}" for gait, run in itertools.groupby(sequence))
-        for sequence in whole
-    ]
+    return [", ".join(f"{gait} x{len(list(run))}" for gait, run in itertools.groupby(sequence)) for sequence in whole]
 
 
 def planning(model: ForwardModel, **settings: Any) -> PlanningPlanner:

@@ -136,9 +136,7 @@ class Outcomes:
         """Draw from the forward model's tables with uniforms of a private generator seeded by ``seed``."""
         uniforms = np.random.default_rng(seed).random((blocks, depth, samples, 6))
         drawn = model.outcomes(uniforms)  # Polar of [G, B, T, S]
-        arrays = [
-            np.ascontiguousarray(np.moveaxis(a, 0, -1)) for a in (drawn.forward, drawn.right, drawn.heading)
-        ]
+        arrays = [np.ascontiguousarray(np.moveaxis(a, 0, -1)) for a in (drawn.forward, drawn.right, drawn.heading)]
         if not all(np.isfinite(a).all() for a in arrays):
             raise BayesHuntError("the forward model sampled a pose that is not finite")
         return cls(*arrays)
@@ -164,16 +162,15 @@ class CompiledRollouts:
 
     def space(self, block: int, prey: Polar, objective: Objective) -> CompiledSpace:
         """Return the search space of one decision: every node is valued in one pass."""
-        samples = HunterSamples(*self.poses[:, block], self.tree.steps)
+        forward, right, heading = self.poses[:, block]
+        samples = HunterSamples(forward, right, heading, self.tree.steps)
         return CompiledSpace(self.tree, self._first_child, samples, objective(samples, prey))
 
 
 class CompiledSpace:
     """A search space over a compiled tree; handles are node numbers of the tree."""
 
-    def __init__(
-        self, tree: GaitTree, first_child: list[int], samples: HunterSamples, values: np.ndarray
-    ) -> None:
+    def __init__(self, tree: GaitTree, first_child: list[int], samples: HunterSamples, values: np.ndarray) -> None:
         self._tree, self._first_child, self._samples, self._values = tree, first_child, samples, values
 
     def root(self) -> tuple[int, float]:
@@ -232,8 +229,7 @@ class LazySpace:
         poses = _compose(*(a[:, None] for a in before), *moves)
         values = self._objective(HunterSamples(*poses, np.full(len(new), step + 1)), self._prey)
         children = [
-            (step + 1, g, changes + (gait >= 0 and g != gait), *(a[:, i] for a in poses))
-            for i, g in enumerate(new)
+            (step + 1, g, changes + (gait >= 0 and g != gait), *(a[:, i] for a in poses)) for i, g in enumerate(new)
         ]
         return children, values.tolist()
 

@@ -8,7 +8,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -73,7 +80,10 @@ def episode_table(episode: Any) -> None:
             aim, row.gait, f"{row.value:.3g} ({row.objective})", f"{row.prey_observations} moves",
         )  # fmt: skip
     out.print(table)
-    out.print(f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s", style="bold")
+    out.print(
+        f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
+        style="bold",
+    )
 
 
 def settings_table(rows: list[dict[str, Any]]) -> None:

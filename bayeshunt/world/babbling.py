@@ -78,9 +78,7 @@ def _execute(
     return [Pose(c * x + s * y, c * y - s * x, turn) for x, y, turn in poses]
 
 
-def _table(
-    robot: RobotSettings, order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any]
-) -> pd.DataFrame:
+def _table(robot: RobotSettings, order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any]) -> pd.DataFrame:
     """Assemble the table from executed poses [N, P, 3] (x ahead, y left, theta counter-clockwise)."""
     names = np.array(robot.gaits.names, dtype=object)
     end = Pose(0.0, 0.0, 0.0).relative(Pose(*executed[:, -1].T))

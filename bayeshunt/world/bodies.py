@@ -42,7 +42,10 @@ class Drive:
     ) -> None:
         """Put a disc at the origin of ``world``; ``unit`` is metres per Box2D unit."""
         fixture = Box2D.b2FixtureDef(
-            shape=Box2D.b2CircleShape(radius=0.5 * settings.diameter / unit), density=1.0, friction=0.0, restitution=0.0
+            shape=Box2D.b2CircleShape(radius=0.5 * settings.diameter / unit),
+            density=1.0,
+            friction=0.0,
+            restitution=0.0,
         )
         self.body = world.CreateDynamicBody(
             fixtures=fixture, allowSleep=False, linearDamping=0.0, angularDamping=0.0, bullet=False

@@ -13,7 +13,9 @@ from bayeshunt.config import NoiseSettings
 _BLOCK = 256  # control intervals drawn at a time
 
 
-def actuator_factors(settings: NoiseSettings, interval: float, rng: np.random.Generator) -> Iterator[tuple[float, float]]:
+def actuator_factors(
+    settings: NoiseSettings, interval: float, rng: np.random.Generator
+) -> Iterator[tuple[float, float]]:
     """Yield the factors of a robot's two actuators, one pair per control interval, for ever.
 
     factor = (1 + slip) (1 + drift): slip is uniform in +-``settings.slip``, drift an

@@ -1,0 +1,34 @@
+"""The application object that the command modules hang their commands on."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="bayeshunt",
+    help="""A robot babbles to learn what its body can do, learns how its prey moves, and hunts it by asking
+    probability tables that anyone can open.
+
+    The main job, the paper's experiment in one command:  bayeshunt evaluate
+
+    Step by step:  bayeshunt babble --out b.parquet;  bayeshunt fit b.parquet --out model.json;
+    bayeshunt query model.json --distance 0.1 --angle 0.5;  bayeshunt hunt --planner planning --arena open""",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)] = False,
+) -> None:
+    """Print the version if asked."""
+    if version:
+        from importlib.metadata import version as installed
+
+        typer.echo(f"bayeshunt {installed('bayeshunt')}")
+        raise typer.Exit

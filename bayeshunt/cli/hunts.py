@@ -1,0 +1,111 @@
+"""hunt, evaluate: one episode, or the whole experiment."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import (
+    Config,
+    Json,
+    Model,
+    Preset,
+    Quiet,
+    Seed,
+    check_names,
+    check_parent,
+    load_or_learn,
+)
+
+
+@app.command()
+def hunt(
+    planner: Annotated[str, typer.Option(help="Planner, e.g. reactive, prediction, planning.")] = "planning",
+    arena: Annotated[str, typer.Option(help="Arena of the settings, e.g. walled, open.")] = "open",
+    theta: Annotated[float, typer.Option(help="First bearing of the prey [rad, clockwise].")] = 1.0,
+    seed: Seed = 0,
+    model: Model = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    out: Annotated[Path | None, typer.Option(help="Write the episode as Parquet.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Run one hunt and show every decision.
+
+    Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --out hunt.parquet
+    """
+    from bayeshunt.hunting import hunt as run
+    from bayeshunt.planners.registry import make_planner
+    from bayeshunt.settings import load_experiment
+
+    if out is not None:
+        check_parent(out)
+    settings = load_experiment(config or preset)
+    check_names(settings, [planner], [arena])
+    forward = load_or_learn(model, settings, 0)
+    mind = make_planner(planner, forward, **settings.planner.get(planner, {}))
+    episode = run(settings, mind, arena=arena, theta=theta, seed=seed)
+    if out is not None:
+        episode.save(out)
+    if as_json:
+        facts = {
+            "caught": episode.caught,
+            "time": episode.time,
+            "decisions": len(episode.frame),
+            "gaits": episode.frame["gait"].tolist(),
+        }
+        typer.echo(json.dumps({**facts, "out": None if out is None else str(out)}))
+        return
+    from bayeshunt.views import terminal
+
+    terminal.episode_table(episode)
+
+
+@app.command()
+def evaluate(
+    model: Model = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
+    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
+    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    out: Annotated[Path | None, typer.Option(help="Folder for every hunt and the summary.")] = None,
+    per_theta: Annotated[bool, typer.Option("--per-theta", help="Show every bearing, not just the totals.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run the paper's experiment and print its table beside ours.
+
+    Without --model the robot babbles and the model is fitted first.
+
+    Example:  bayeshunt evaluate --runs 100 --seed 0 --out results
+    """
+    from bayeshunt.experiments import runner, store
+    from bayeshunt.views import terminal
+
+    settings = runner.experiment_settings(config or preset, runs)
+    planners = check_names(settings, planner, arena)
+    runner.check_jobs(jobs)
+    if out is not None:
+        store.check_output_folder(out)
+    forward = load_or_learn(model, settings, seed)
+    total = len(settings.protocol.thetas) * settings.protocol.runs * len(planners) * len(arena or settings.arenas)
+    with terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
+        results = runner.evaluate(
+            settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, progress=advance
+        )
+    if out is not None:
+        store.save_results(results, settings, seed, out)
+    facts = store.summary(results, settings, seed)
+    if as_json:
+        typer.echo(json.dumps(facts))
+        return
+    terminal.success_table(facts, per_theta=per_theta)
+    if out is not None:
+        terminal.say(f"every hunt and the summary are in {out}")

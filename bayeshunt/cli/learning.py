@@ -1,0 +1,117 @@
+"""babble, fit, query: from a robot to a model that answers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
+from bayeshunt.errors import InputError
+
+
+@app.command()
+def babble(
+    out: Annotated[Path, typer.Option(help="Parquet file to write.")],
+    robot: Annotated[str, typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.")] = "khepera",
+    steps: Annotated[int, typer.Option(help="Number of gaits to execute.")] = 2000,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Let a robot execute random gaits and write down where each one took it.
+
+    Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
+    """
+    from bayeshunt import dataset
+    from bayeshunt.views import terminal
+    from bayeshunt.world.babbling import babble as run
+
+    check_parent(out)
+    with terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
+        frame = run(robot, steps, seed, progress=advance)
+    dataset.save(frame, out)
+    facts = {"out": str(out), "rows": len(frame), "gaits": sorted(frame["gait"].unique()), "seed": seed}
+    tell(
+        facts,
+        as_json,
+        f"{out}: {len(frame)} rows of {frame['gait'].nunique()} gaits; next: bayeshunt fit {out} --out model.json",
+    )
+
+
+@app.command()
+def fit(
+    data: Annotated[Path, typer.Argument(help="Babbling table made by bayeshunt babble.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Model file (JSON) to write.")],
+    prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
+    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
+    robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Fit the network Gait -> Distance, Angle, Heading to a babbling table.
+
+    Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif
+    """
+    from bayeshunt import dataset
+    from bayeshunt.models.forward import ForwardModel
+
+    check_parent(out)
+    frame = dataset.load(data)
+    model = ForwardModel.fit(frame, _gaits_of(frame, robot, str(data)), prior=prior)
+    model.save(out)
+    if xmlbif is not None:
+        model.to_xmlbif(xmlbif)
+    facts = {
+        "out": str(out), "rows": len(frame), "prior": prior, "log_likelihood": model.log_likelihood(frame),
+        "bins": {axis.name: axis.bins for axis in model.axes},
+    }  # fmt: skip
+    bins = ", ".join(f"{k} {v}" for k, v in facts["bins"].items())
+    tell(facts, as_json, f"{out}: {len(frame)} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
+
+
+@app.command()
+def query(
+    model: Annotated[Path, typer.Argument(help="Model file made by bayeshunt fit.", show_default=False)],
+    distance: Annotated[float, typer.Option(help="Distance of the target [m].")],
+    angle: Annotated[float, typer.Option(help="Bearing of the target [rad, clockwise].")],
+    heading: Annotated[float | None, typer.Option(help="Heading wanted there [rad, clockwise].")] = None,
+    no_snap: Annotated[bool, typer.Option("--no-snap", help="Refuse a target that was never babbled.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Ask the inverse model which gait reaches a target: P(Gait | Distance, Angle [, Heading]).
+
+    Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
+    """
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.inverse import InverseModel
+
+    answer = InverseModel(ForwardModel.load(model)).posterior(distance, angle, heading, snap=not no_snap)
+    if as_json:
+        facts = {
+            "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
+            "evidence": answer.evidence, "evidence_probability": float(answer.evidence_probability),
+            "support": int(answer.support), "snapped": bool(answer.snapped),
+            "cell": {k: v for k, v in answer.cell._asdict().items()},
+        }  # fmt: skip
+        typer.echo(json.dumps(facts))
+        return
+    from bayeshunt.views import terminal
+
+    terminal.posterior_bars(answer)
+
+
+def _gaits_of(frame: Any, robot: str | None, source: str) -> Any:
+    """The repertoire of a babbling table: the robot given, or the one in its provenance."""
+    from bayeshunt.config import RobotSettings
+    from bayeshunt.dataset import PROVENANCE_KEY
+    from bayeshunt.settings import load_robot, parse
+
+    if robot is not None:
+        return load_robot(robot).gaits
+    recorded = frame.attrs.get(PROVENANCE_KEY, {}).get("robot")
+    if recorded is None:
+        raise InputError(f"{source}: the table does not say which robot made it; add --robot")
+    return parse(RobotSettings, recorded, f"{source}: provenance: robot").gaits

@@ -1,0 +1,60 @@
+"""Options and checks that several commands share."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.errors import InputError
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of text.")]
+Seed = Annotated[int, typer.Option(help="One seed, one result, bit for bit.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
+Preset = Annotated[str, typer.Option(help="Experiment settings that ship, by name.")]
+Config = Annotated[
+    Path | None,
+    typer.Option(help='Your own experiment settings: a TOML file (may start with base = "paper").'),
+]
+Model = Annotated[Path | None, typer.Option(help="Forward model made by fit; by default one is babbled and fitted.")]
+
+
+def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
+    typer.echo(json.dumps(facts) if as_json else text)
+
+
+def check_parent(path: Path) -> None:
+    """Fail before the work rather than after it."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; expected a file name")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
+
+
+def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | None) -> list[str]:
+    """Return the planners to run; InputError for an unknown planner or arena, before any work."""
+    from bayeshunt.planners.registry import planner_names
+
+    chosen = list(planners or settings.planners)
+    for name in chosen:
+        if name not in planner_names():
+            raise InputError(f"unknown planner {name!r}; expected one of {', '.join(planner_names())}")
+    for name in arenas or ():
+        if name not in settings.arenas:
+            raise InputError(f"unknown arena {name!r}; expected one of {', '.join(settings.arenas)}")
+    return chosen
+
+
+def load_or_learn(path: Path | None, settings: Any, seed: int) -> Any:
+    """Load the model, or babble and fit one."""
+    from bayeshunt.experiments.protocol import learn_model
+    from bayeshunt.experiments.runner import check_model
+    from bayeshunt.models.forward import ForwardModel
+
+    if path is None:
+        return learn_model(settings, seed)
+    model = ForwardModel.load(path)
+    check_model(model, settings)
+    return model
