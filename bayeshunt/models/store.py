@@ -1,0 +1,186 @@
+"""The model file: JSON that anyone can open, sealed by a checksum, written all or nothing.
+
+``content`` holds what defines a model (gaits, axes, counts, fixed-point sums, prior, provenance);
+every probability is derived from it. Keys are sorted and numbers written in full, so that the same
+model gives the same bytes and comes back bit for bit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.axes import EFFECTS, Axis, EffectAxes
+from bayeshunt.errors import BayesHuntError, ModelFileError
+from bayeshunt.files import replace_atomically
+from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.models.counts import MAX_DISTANCE_BINS, JointCounts
+from bayeshunt.models.forward import ForwardModel
+
+#: What the file says it is.
+KIND = "bayeshunt forward model"
+#: Version of the layout of ``content``.
+FORMAT = 1
+
+
+def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
+    """Write ``model``; the file is read back and compared before it takes its name.
+
+    Raises BayesHuntError if the folder cannot be written or the provenance is not JSON.
+    """
+    text = dumps(model)
+    with replace_atomically(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+        if load(temporary) != model:
+            raise BayesHuntError(f"{os.fspath(path)}: the model did not come back as it was written")
+
+
+def load(path: str | os.PathLike[str]) -> ForwardModel:
+    """Read a model file.
+
+    Raises ModelFileError in one line: missing, unreadable, not JSON, another kind of file, a newer
+    format, edited (checksum), or malformed.
+    """
+    name = os.fspath(path)
+    if not Path(path).is_file():
+        raise ModelFileError(f"{name}: no such file; make one with: bayeshunt fit --out {name}")
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ModelFileError(f"{name}: not a readable model file ({type(error).__name__})") from None
+    return loads(text, name)
+
+
+def dumps(model: ForwardModel) -> str:
+    """Return the text of the model file: deterministic, one counted cell per line."""
+    content = _content(model)
+    seal = {"kind": KIND, "format": FORMAT, "checksum": _checksum(content)}
+    head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in seal.items()]
+    body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
+    return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
+
+
+def loads(text: str, name: str = "model") -> ForwardModel:
+    """Return the model in ``text``; ``name`` is what errors call it. Raises ModelFileError."""
+    try:
+        record = json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        reason = str(error).splitlines()[0]
+        raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason})") from None
+    if not isinstance(record, dict) or record.get("kind") != KIND:
+        raise ModelFileError(f"{name}: not a {KIND}; make one with: bayeshunt fit")
+    version = record.get("format")
+    if isinstance(version, int) and version > FORMAT:
+        raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")
+    if version != FORMAT:
+        raise ModelFileError(f"{name}: format is {version!r}; expected {FORMAT}")
+    content = record.get("content")
+    if record.get("checksum") != _checksum(content):
+        raise ModelFileError(f"{name}: checksum does not match: the file was edited or damaged; fit it again")
+    try:
+        return _model(content)
+    except (KeyError, TypeError, ValueError, OverflowError, BayesHuntError) as error:
+        reason = (str(error).splitlines() or [""])[0]
+        raise ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason})") from None
+
+
+# --- a model as plain numbers ----------------------------------------------------------------------
+
+
+def _content(model: ForwardModel) -> dict[str, Any]:
+    joint, gaits = model.joint, model.gaits
+    return {
+        "axes": {axis.name: _axis_record(axis) for axis in joint.axes},
+        "body_length": gaits.body_length,
+        "cells": np.column_stack([joint.cells, joint.counts]).tolist(),
+        "cells_columns": ["Gait", *EFFECTS, "count"],
+        "duration": gaits.duration,
+        "gait_prior": model.gait_prior,
+        "gaits": [{"name": gait.name, "command": list(gait.command)} for gait in gaits],
+        "pose_sums": joint.sums.tolist(),
+        "prior": model.prior,
+        "provenance": _plain(dict(model.provenance)),
+    }
+
+
+def _axis_record(axis: Axis) -> dict[str, Any]:
+    return {
+        "width": axis.width, "bins": axis.bins, "circular": axis.circular, "labels": list(axis.labels)
+    }  # fmt: skip
+
+
+def _plain(provenance: dict[str, Any]) -> Any:
+    try:
+        return json.loads(json.dumps(provenance, allow_nan=False))
+    except (TypeError, ValueError) as error:
+        raise BayesHuntError(f"the model's provenance cannot be stored as JSON: {error}") from None
+
+
+def _layout(key: str, value: Any) -> str:
+    if key in ("cells", "gaits", "pose_sums"):
+        rows = ",\n  ".join(json.dumps(row, sort_keys=True) for row in value)
+        return f"[\n  {rows}]"
+    return json.dumps(value, sort_keys=True)
+
+
+def _checksum(content: Any) -> str:
+    """SHA-256 over the content in canonical form: layout and key order do not matter, values do."""
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(canonical.encode()).hexdigest()
+
+
+# --- plain numbers as a model ----------------------------------------------------------------------
+
+
+def _model(content: Any) -> ForwardModel:
+    gaits = GaitRepertoire(
+        tuple(Gait(str(g["name"]), tuple(float(v) for v in g["command"])) for g in content["gaits"]),
+        body_length=float(content["body_length"]),
+        duration=float(content["duration"]),
+    )
+    axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
+    rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
+    rows = rows.reshape(-1, 5)
+    _check_rows(rows, (len(gaits), *axes.shape))
+    if sums.shape[0] != len(gaits) or sums.shape[2] != 4:
+        raise ValueError(f"pose_sums has shape {sums.shape}")
+    joint = JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
+    return ForwardModel(joint, content["prior"], content["gait_prior"], dict(content["provenance"]))
+
+
+def _axis(name: str, record: dict[str, Any]) -> Axis:
+    bins, circular = record["bins"], record["circular"]
+    if not _is_whole(bins) or bins > MAX_DISTANCE_BINS or circular is not (name != "Distance"):
+        raise ValueError(f"axis {name}: {bins!r} bins, circular {circular!r}")
+    axis = Axis(name, float(record["width"]), bins, circular)
+    if record["labels"] != list(axis.labels):
+        raise ValueError(f"axis {name}: labels do not fit its bins")
+    return axis
+
+
+def _check_rows(rows: np.ndarray, shape: tuple[int, ...]) -> None:
+    cells = rows[:, :4]
+    if np.any(cells < 0) or np.any(cells >= np.array(shape)) or np.any(rows[:, 4] < 1):
+        raise ValueError("a counted cell lies outside the table or has no count")
+    if np.any(np.diff(np.ravel_multi_index(tuple(cells.T), shape)) <= 0):
+        raise ValueError("counted cells must be sorted and unique")
+
+
+def _whole(value: Any, dimensions: int) -> np.ndarray:
+    array = np.array(value)
+    if array.size and (array.dtype != np.int64 or array.ndim != dimensions):
+        raise ValueError(f"expected whole numbers in {dimensions} dimensions")
+    return array.astype(np.int64)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"{constant} is not a number")
