@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -75,9 +76,7 @@ class Axis:
         if self.circular:
             return tuple(f"{_trim(math.degrees(c))} deg" for c in self.centres)
         millimetres = self.edges * 1000.0
-        return tuple(
-            f"{_trim(low)}-{_trim(high)} mm" for low, high in zip(millimetres[:-1], millimetres[1:], strict=True)
-        )
+        return tuple(f"{_trim(low)}-{_trim(high)} mm" for low, high in pairwise(millimetres))
 
     def index(self, values: Any) -> Any:
         """Return the bin index of each value; for a linear axis it may lie beyond ``bins - 1``.

@@ -140,8 +140,9 @@ def _check_gaits(values: pd.Series, gaits: Iterable[str] | None, source: str) ->
     known = list(gaits)
     row = _first(~values.isin(known).to_numpy())
     if row is not None:
+        stranger = values.iloc[row]
         raise DataError(
-            f"{source}: row {row}: gait {values.iloc[row]!r} is not in the repertoire; expected one of {', '.join(known)}"
+            f"{source}: row {row}: gait {stranger!r} is not in the repertoire; expected one of {', '.join(known)}"
         )
 
 

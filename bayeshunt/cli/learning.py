@@ -94,7 +94,7 @@ def query(
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
             "evidence": answer.evidence, "evidence_probability": float(answer.evidence_probability),
             "support": int(answer.support), "snapped": bool(answer.snapped),
-            "cell": {k: v for k, v in answer.cell._asdict().items()},
+            "cell": answer.cell._asdict(),
         }  # fmt: skip
         typer.echo(json.dumps(facts))
         return

@@ -93,7 +93,8 @@ def to_markdown(facts: dict[str, Any]) -> str:
     if facts["note"]:
         lines += [facts["note"], ""]
     lines += [
-        f"Seed {facts['seed']}, bayeshunt {facts['version']}. Intervals are 95 % Wilson; a miss counts as the time limit.",
+        f"Seed {facts['seed']}, bayeshunt {facts['version']}. "
+        "Intervals are 95 % Wilson; a miss counts as the time limit.",
         "",
         "| planner | arena | theta [rad] | runs | caught | success | 95 % interval | mean time [s] | paper |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -47,43 +48,55 @@ def say(text: str) -> None:
 
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     """Print the table of an evaluation: the totals, the paper's figures beside ours."""
-    table = Table(title=f"{facts['experiment']}: seed {facts['seed']}", title_justify="left")
-    for name in ("planner", "arena", "theta"):
+    table = Table(
+        title=f"{facts['experiment']}, seed {facts['seed']}",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    for name in ("planner", "arena", *(["theta"] if per_theta else [])):
         table.add_column(name, no_wrap=True)
-    for name in ("caught", "success", "95 % interval", "mean time", "paper", "difference"):
+    for name in ("caught", "success %", "95 % interval", "mean s", "paper %", "differs"):
         table.add_column(name, justify="right", no_wrap=True)
     previous = None
     for row in facts["rows"]:
         total = row["theta"] is None
         if not total and not per_theta:
             continue
-        place = row["arena"] if not per_theta else (row["planner"], row["arena"])
+        place = (row["planner"], row["arena"]) if per_theta else row["arena"]
         if previous is not None and place != previous:
             table.add_section()
         previous = place
-        table.add_row(*_cells(row), style="bold" if total and per_theta else None)
+        cells = _cells(row)
+        table.add_row(*(cells if per_theta else cells[:2] + cells[3:]), style="bold" if total and per_theta else None)
     out.print(table)
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
-    out.print("Intervals: 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+    out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
 
 
 def episode_table(episode: Any) -> None:
     """Print one hunt: a row per decision, then how it ended."""
-    table = Table(title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance))
-    for name in ("step", "time", "prey at", "bearing", "aims at", "gait", "why", "prey seen"):
-        table.add_column(name, justify="left" if name in ("gait", "why") else "right", no_wrap=True)
+    table = Table(
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+        title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
+    )
+    for name in ("step", "time", "prey at", "bearing", "aims at", "gait", "value", "moves seen"):
+        table.add_column(name, justify="left" if name == "gait" else "right", no_wrap=True)
     for row in episode.frame.itertuples():
         aim = "" if math.isnan(row.target_distance) else f"{row.target_distance:.3f} m"
         table.add_row(
             str(row.step), f"{row.time:.1f} s", f"{row.seen_distance:.3f} m", f"{math.degrees(row.seen_angle):+.0f} deg",
-            aim, row.gait, f"{row.value:.3g} ({row.objective})", f"{row.prey_observations} moves",
+            aim, row.gait, f"{row.value:.3g}", str(row.prey_observations),
         )  # fmt: skip
     out.print(table)
-    out.print(
-        f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
-        style="bold",
-    )
+    objective = episode.frame["objective"].iloc[0] if len(episode.frame) else ""
+    out.print(f"value: {objective}. moves seen: prey transitions learned so far.", style="dim")
+    ending = f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s"
+    out.print(ending, style="bold")
 
 
 def settings_table(rows: list[dict[str, Any]]) -> None:
@@ -103,10 +116,10 @@ def _cells(row: dict[str, Any]) -> list[str]:
         row["arena"],
         "all" if row["theta"] is None else f"{row['theta']:g}",
         f"{row['caught']}/{row['runs']}",
-        f"{row['success']:.1%}",
-        f"{row['ci_low']:.1%} - {row['ci_high']:.1%}",
-        f"{row['mean_time_s']:.1f} s",
-        "" if paper is None else f"{paper:.1%}",
+        f"{100 * row['success']:.1f}",
+        f"{100 * row['ci_low']:.1f} to {100 * row['ci_high']:.1f}",
+        f"{row['mean_time_s']:.1f}",
+        "" if paper is None else f"{100 * paper:.1f}",
         "" if paper is None else f"{100 * (row['success'] - paper):+.1f}",
     ]
 
