@@ -16,11 +16,11 @@ import pandas as pd
 from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.nearest import NearestPoint
+from bayeshunt.models.nearest import FARTHEST, RINGS, SECTORS, CellFinder
 from bayeshunt.models.posterior import Cell, CellPosterior, Posterior
 
 _PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
-_floor, _cos, _sin = math.floor, math.cos, math.sin
+_floor = math.floor
 _make = tuple.__new__
 #: Angular distances [rad] closer than this are ties.
 _TIE = 1e-9
@@ -39,19 +39,17 @@ class InverseModel:
         if not model.joint.total:
             raise ZeroCountError("the forward model has counted nothing, so it has no inverse; babble first")
         self.model = model
-        distance, angle = model.axes.distance, model.axes.angle
+        distance, angle, _ = model.axes
         self._distance_width, self._distance_bins = distance.width, distance.bins
-        self._angle_width, self._angle_bins, self._angle_edge = angle.width, angle.bins, angle.edges[0].item()
+        self._angle_width, self._angle_edge = angle.width, angle.edges[0].item()
         self._cells = np.argwhere(model.joint.support > 0)  # [M, 2], sorted
         self._values, self._evidence = self._compile()
         self._sources = [self._source(row) for row in range(len(self._cells))]
-        self._row_of = np.full((distance.bins, angle.bins), -1, dtype=np.int64)
-        self._row_of[tuple(self._cells.T)] = np.arange(len(self._cells))
-        self._own = [[self._sources[r] if r >= 0 else None for r in rows] for rows in self._row_of.tolist()]
-        reach, bearing = distance.centres[self._cells[:, 0]], angle.centres[self._cells[:, 1]]
-        self._nearest = NearestPoint(reach * np.cos(bearing), reach * np.sin(bearing))
-        self._find = self._nearest.find
-        self._others: dict[tuple[int, int, int | None], CellPosterior | None] = {}
+        self._finder = CellFinder(distance, angle, self._cells, self._sources)
+        self._rings, self._build = self._finder.rows, self._finder.build
+        self._known: dict[tuple[int, int, int | None], CellPosterior | None] = {
+            (source.cell.distance_bin, source.cell.angle_bin, None): source for source in self._sources
+        }
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
 
     def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
@@ -66,19 +64,19 @@ class InverseModel:
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
         """
         d, a = float(distance), float(angle)
-        if not (0.0 <= d < _INF and -_INF < a < _INF):
-            raise InputError(f"target ({distance}, {angle}): expected distance >= 0 [m] and a finite angle [rad]")
+        if not (0.0 <= d <= FARTHEST and -_INF < a < _INF):
+            raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
-        a_bin = _PI - (_PI - a) % _TWO_PI
-        a_bin = _floor(((a_bin if a_bin > -_PI else _PI) - self._angle_edge) / self._angle_width)
-        d_bin = d / self._distance_width
-        if heading is not None or not snap:
-            return self._careful(d, a, heading, snap, d_bin, a_bin % self._angle_bins)
-        if d_bin < self._distance_bins:
-            source = self._own[int(d_bin)][a_bin % self._angle_bins]
-            if source is not None:
-                return _make(Posterior, (source, d, a, None, False))
-        return _make(Posterior, (self._sources[self._find(d * _cos(a), d * _sin(a))], d, a, None, True))
+        d_bins = d / self._distance_width
+        ring = int(d_bins * RINGS) if d_bins < self._distance_bins else self._finder.far_ring(d_bins)
+        a_bins = _PI - (_PI - a) % _TWO_PI
+        a_bins = ((a_bins if a_bins > -_PI else _PI) - self._angle_edge) / self._angle_width
+        source, snapped = (self._rings[ring] or self._build(ring))[_floor(a_bins * SECTORS)]
+        if source is None:
+            source, snapped = self._finder.settle(snapped, d, d * math.cos(a), d * math.sin(a)), True
+        if heading is None and snap:
+            return _make(Posterior, (source, d, a, None, snapped))
+        return self._careful(Posterior(source, d, a, heading, snapped), snap)
 
     def posterior_many(self, distances: Any, angles: Any) -> np.ndarray:
         """Return float64 [N, G]: the values of :meth:`posterior` (snapping) for N targets at once.
@@ -88,9 +86,9 @@ class InverseModel:
         """
         d, a = np.broadcast_arrays(np.asarray(distances, dtype=float), np.asarray(angles, dtype=float))
         d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
-        if not (np.all(d >= 0.0) and np.all(d < np.inf) and np.all(np.isfinite(a))):
-            raise InputError("targets: expected distances >= 0 [m] and finite angles [rad]")
-        return np.take(self._values, self._rows(d, a), axis=0)
+        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and np.isfinite(a.sum() * 0.0)):
+            raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
+        return np.take(self._values, self._finder.find_many(d, a), axis=0)
 
     def table(self) -> pd.DataFrame:
         """Return the whole posterior table, one row per learned cell, in order of distance and angle.
@@ -144,57 +142,40 @@ class InverseModel:
             heading_bin=h_bin, heading=heading.centres[h_bin].item(), heading_label=heading.labels[h_bin]
         )
 
-    def _rows(self, d: np.ndarray, a: np.ndarray) -> np.ndarray:
-        """Row [N] of the learned cell that each target uses."""
-        d_bins = d / self._distance_width
-        inside = d_bins < self._distance_bins
-        d_bins = np.where(inside, d_bins, 0.0).astype(np.int64)
-        rows = np.where(inside, self._row_of[d_bins, self.model.axes.angle.index(a)], -1)
-        far = np.flatnonzero(rows < 0)
-        if far.size:
-            d, a = d[far], a[far]
-            rows[far] = self._nearest.find_many(d * np.cos(a), d * np.sin(a))
-        return rows
-
-    def _careful(self, d: float, a: float, heading: float | None, snap: bool, d_bin: float, a_bin: int) -> Posterior:
-        """The answer when a heading is given or snapping is forbidden."""
+    def _careful(self, found: Posterior, snap: bool) -> Posterior:
+        """The answer when a heading is given or snapping is forbidden; ``found`` has the cell used."""
+        source, d, a, heading, snapped = found
         if heading is not None and not math.isfinite(heading):
             raise InputError(f"target heading {heading}: expected a finite angle [rad]")
         h = None if heading is None else float(heading)
-        h_bin = None if h is None else self.model.axes.heading.index(h)
-        inside = d_bin < self._distance_bins
+        axes = self.model.axes
+        h_bin = None if h is None else axes.heading.index(h)
         if not snap:
-            source = self._evidence_source(int(d_bin), a_bin, h_bin) if inside else None
-            if source is None:
-                raise ImpossibleEvidenceError(self._impossible(d, a, h))
-            return Posterior(source, d, a, h, False)
-        place = self._own[int(d_bin)][a_bin] if inside else None
-        snapped = place is None
-        place = place or self._sources[self._find(d * _cos(a), d * _sin(a))]
-        cell = place.cell
-        source = self._evidence_source(cell.distance_bin, cell.angle_bin, h_bin)
-        if source is None and h is not None:
-            h_bin, snapped = self._nearest_heading(cell, h), True
-            source = self._evidence_source(cell.distance_bin, cell.angle_bin, h_bin)
-        if source is None:
-            raise ImpossibleEvidenceError(self._impossible(d, a, h))
-        return Posterior(source, d, a, h, snapped)
+            place = (axes.distance.index(d), axes.angle.index(a))
+        else:
+            place = (source.cell.distance_bin, source.cell.angle_bin)
+        answer = self._evidence_source(*place, h_bin)
+        if answer is None and snap and h is not None:
+            answer, snapped = self._evidence_source(*place, self._nearest_heading(source.cell, h)), True
+        if answer is None:
+            raise ImpossibleEvidenceError(_impossible(d, a, h))
+        return Posterior(answer, d, a, h, snap and snapped)
 
     def _evidence_source(self, d_bin: int, a_bin: int, h_bin: int | None) -> CellPosterior | None:
         """The posterior given exactly these bins, or None where P(evidence) = 0. Remembered."""
+        if d_bin >= self._distance_bins:
+            return None
         key = (d_bin, a_bin, h_bin)
-        if h_bin is None and self._own[d_bin][a_bin] is not None:
-            return self._own[d_bin][a_bin]
-        if key not in self._others:
+        if key not in self._known:
             joint = self._joint(d_bin, a_bin, h_bin)
             total = joint.sum()
-            self._others[key] = None
+            self._known[key] = None
             if total > 0:
                 values = joint / total
                 values.setflags(write=False)
                 cell, names = self._cell(d_bin, a_bin, h_bin), self.model.gaits.names
-                self._others[key] = CellPosterior(cell, names, values, float(total), self._support(key))
-        return self._others[key]
+                self._known[key] = CellPosterior(cell, names, values, float(total), self._support(key))
+        return self._known[key]
 
     def _support(self, key: tuple[int, int, int | None]) -> int:
         d_bin, a_bin, h_bin = key
@@ -215,7 +196,8 @@ class InverseModel:
         gaps = np.where(possible, gaps, np.inf)
         return int(np.flatnonzero(gaps <= gaps.min() + _TIE)[0])
 
-    def _impossible(self, d: float, a: float, h: float | None) -> str:
-        asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g} deg"
-        asked += "" if h is None else f", Heading = {math.degrees(h):g} deg"
-        return f"P({asked}) = 0 under this model: no gait does that; snap=True gives the nearest learned cell"
+
+def _impossible(d: float, a: float, h: float | None) -> str:
+    asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g} deg"
+    asked += "" if h is None else f", Heading = {math.degrees(h):g} deg"
+    return f"P({asked}) = 0 under this model: no gait does that; snap=True gives the nearest learned cell"

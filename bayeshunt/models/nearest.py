@@ -1,203 +1,209 @@
-"""The nearest of a fixed set of points in the plane, exactly, in a few hundred nanoseconds.
+"""Which learned (Distance, Angle) cell a target uses: its own, else the nearest in metres. Exactly.
 
-The plane is cut into squares. In each square only those points can be nearest that no other point
-beats at all four corners (which of two points is nearer is an affine question, so what holds at
-the corners holds inside). Most squares keep one candidate and need no arithmetic; the others
-compare the few that are left. Squares come in levels, each reaching twice as far as the last.
+The plane is cut into small sectors, finer than the bins by a power of two, in rings that grow with
+distance beyond the axis. Which of two centres is nearer is an affine question, so a centre that
+beats another at the corners of a convex hull around a sector beats it inside. Most sectors are left
+with one candidate and need no arithmetic at all; the others compare the few that remain.
+Letters: M learned cells, S sectors in a ring, N targets.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-#: Squares per side of a level.
-_SIDE = 128
-#: Levels reach 2**_LEVELS times as far as the farthest point; beyond, every point is compared.
-_LEVELS = 16
+from bayeshunt.axes import Axis
+
+#: Rings per distance bin, sectors per angle bin: powers of two, so that subdividing is exact.
+RINGS, SECTORS = 4, 16
+#: Rings per doubling of the distance beyond the axis.
+_OCTAVE = 8
+#: Targets may lie this far out [m].
+FARTHEST = 1e12
 #: Relative closeness of squared distances that counts as a tie, far above rounding.
 _TIE = 1e-12
-_BRUTE_CHUNK = 1 << 20
+
+#: What a sector says: (item, used cell is not the target's own), or (None, candidates to compare).
+Entry = tuple[Any, Any]
 
 
-@dataclass(frozen=True)
-class _Level:
-    """One level: squares over [-half, half) in both directions, row-major in forward.
+class CellFinder:
+    """Finds a target's cell in a few hundred nanoseconds; rings are worked out when first asked.
 
-    single: int64 [side * side], the only candidate of a square, or -1 - r for row r of the others.
-    starts, lengths: int64 [R], where row r's candidates lie in ``flat``; flat: int64, each row ascending.
+    cells: int64 [M, 2], bins of the learned cells, sorted; their index is 0 to M - 1.
+    items: what :meth:`entry` gives for each cell. Ties (to 1 part in 1e12) go to the lowest index.
     """
 
-    half: float
-    scale: float  # squares per metre
-    single: np.ndarray
-    starts: np.ndarray
-    lengths: np.ndarray
-    flat: np.ndarray
-    single_list: list[int]  # the same as ``single``: a Python list answers faster to one index
-    rows: dict[int, list[tuple[float, float, float, int]]] = field(default_factory=dict)
+    def __init__(self, distance: Axis, angle: Axis, cells: np.ndarray, items: list[Any]) -> None:
+        self.distance, self.angle = distance, angle
+        self._own = np.full((distance.bins, angle.bins), -1, dtype=np.int64)
+        self._own[tuple(cells.T)] = np.arange(len(cells))
+        reach, bearing = distance.centres[cells[:, 0]], angle.centres[cells[:, 1]]
+        # |p - c|^2 = |p|^2 + (|c|^2 - 2 p.c): the bracket ranks the centres c and is affine in p.
+        self._square = reach**2
+        self._twice_x, self._twice_y = 2.0 * reach * np.cos(bearing), 2.0 * reach * np.sin(bearing)
+        self._radius = float(reach.max())
+        self._items = items
+        self._first_octave = math.frexp(distance.bins)[1]
+        octaves = math.frexp(FARTHEST / distance.width)[1] + 1 - self._first_octave
+        rings = distance.bins * RINGS + max(octaves, 1) * _OCTAVE
+        #: Entries of each ring by floor(angle bin * SECTORS), or None where not worked out yet.
+        self.rows: list[list[Entry] | None] = [None] * rings
+        self._slots = np.full(rings, -1, dtype=np.int64)
+        self._codes = np.zeros((0, (angle.bins + 1) * SECTORS + 2), dtype=np.int64)
+        self._lengths, self._flat = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        self._starts = np.zeros(0, dtype=np.int64)
 
+    def far_ring(self, bins: float) -> int:
+        """Return the ring of a distance of ``bins`` bin widths, beyond the distance axis."""
+        mantissa, octave = math.frexp(bins)
+        far = (octave - self._first_octave) * _OCTAVE + int(mantissa * 2 * _OCTAVE) - _OCTAVE
+        return self.distance.bins * RINGS + far
 
-class NearestPoint:
-    """Index of the nearest of ``M`` points; ties (to 1 part in 1e12) go to the lowest index.
+    def build(self, ring: int) -> list[Entry]:
+        """Work out one ring and return its row of :attr:`rows`."""
+        single, keep = self._ring(ring)
+        disputed = np.flatnonzero(keep.any(axis=1))
+        single[disputed] = -1 - len(self._lengths) - np.arange(len(disputed))
+        entries: list[Entry] = [(self._items[c], True) if c >= 0 else (None, None) for c in single.tolist()]
+        for sector in disputed.tolist():
+            entries[sector] = (None, self._candidates(np.flatnonzero(keep[sector])))
+        for sector in np.flatnonzero(self._own_of(ring) >= 0).tolist():
+            entries[sector] = (entries[sector][0], False)
+        self._remember(ring, single, keep[disputed])
+        # One bin more than a turn, because bins start before -pi; index -1 is the last sector.
+        row = entries + entries[:SECTORS] + entries[-1:]
+        self.rows[ring] = row
+        return row
 
-    forward, right: float64 [M], metres. Immutable apart from levels built when first needed.
-    """
+    def settle(self, candidates: list[tuple[float, float, float, Any]], d: float, x: float, y: float) -> Any:
+        """Return the item of the candidate nearest to (x, y) [m], ``d`` metres away."""
+        slack = _TIE * self._radius * (self._radius + d)
+        if len(candidates) == 2:  # nearly always; the rule below, written out
+            (square, x2, y2, item), (other, u2, v2, second) = candidates
+            return item if square - x * x2 - y * y2 <= other - x * u2 - y * v2 + slack else second
+        scores = [square - x * x2 - y * y2 for square, x2, y2, _ in candidates]
+        limit = min(scores) + slack
+        return next(c[3] for c, score in zip(candidates, scores, strict=True) if score <= limit)
 
-    def __init__(self, forward: np.ndarray, right: np.ndarray) -> None:
-        # |p - c|^2 = |p|^2 + (|c|^2 - 2 p.c): the bracket ranks the points and is affine in p.
-        self._square = np.asarray(forward**2 + right**2, dtype=float)
-        self._twice = (2.0 * np.asarray(forward, dtype=float), 2.0 * np.asarray(right, dtype=float))
-        self._radius = float(np.sqrt(self._square.max())) or 1.0
-        self._levels: list[_Level | None] = [None] * (_LEVELS + 1)
-
-    def find(self, forward: float, right: float) -> int:
-        """Return the index of the point nearest to (forward, right) [m]."""
-        reach = max(abs(forward), abs(right))
-        number = math.frexp(reach / self._radius)[1]
-        if number > _LEVELS:
-            return int(self._compare_all(np.array([forward]), np.array([right]))[0])
-        number = max(number, 0)
-        level = self._levels[number] or self._level(number)
-        half, scale = level.half, level.scale
-        code = level.single_list[int((forward + half) * scale) * _SIDE + int((right + half) * scale)]
-        if code >= 0:
-            return code
-        row = level.rows.get(code) or self._row(level, code)
-        scores = [square - forward * x - right * y for square, x, y, _ in row]
-        limit = min(scores) + self._slack(reach)
-        return next(entry[3] for entry, score in zip(row, scores, strict=True) if score <= limit)
-
-    def find_many(self, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Return int64 [N]: :meth:`find` of every point of two float64 arrays [N]."""
-        reach = np.maximum(np.abs(forward), np.abs(right))
-        numbers = np.maximum(np.frexp(reach / self._radius)[1], 0)
-        found = np.empty(len(forward), dtype=np.int64)
-        for number in np.flatnonzero(np.bincount(np.minimum(numbers, _LEVELS + 1))):
-            here = np.flatnonzero(numbers == number) if number <= _LEVELS else np.flatnonzero(numbers > _LEVELS)
-            search = self._find_in_level if number <= _LEVELS else self._compare_all_of
-            found[here] = search(int(number), forward[here], right[here])
+    def find_many(self, d: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """Return int64 [N]: the cell that each target uses. d [m] in [0, FARTHEST], a [rad] finite."""
+        turned = np.pi - a
+        if turned.min(initial=0.0) < 0.0 or turned.max(initial=0.0) >= 2.0 * np.pi:
+            turned = np.mod(turned, 2.0 * np.pi)
+        wrapped = np.pi - turned
+        np.copyto(wrapped, np.pi, where=wrapped <= -np.pi)
+        columns = np.floor((wrapped - self.angle.edges[0]) / self.angle.width * SECTORS).astype(np.int64)
+        rings = self._rings_of(d / self.distance.width)
+        slots = self._slots[rings]
+        if slots.min(initial=0) < 0:
+            for ring in np.unique(rings[slots < 0]).tolist():
+                self.build(ring)
+            slots = self._slots[rings]
+        found = self._codes.ravel()[slots * self._codes.shape[1] + columns + 1]
+        disputed = np.flatnonzero(found < 0)
+        if disputed.size:
+            d, a = d[disputed], a[disputed]
+            found[disputed] = self._settle_many(-1 - found[disputed], d, d * np.cos(a), d * np.sin(a))
         return found
 
     # --- inside -------------------------------------------------------------------------------
 
-    def _slack(self, reach: np.ndarray | float) -> np.ndarray | float:
-        return _TIE * self._radius * (self._radius + reach)
+    def _rings_of(self, bins: np.ndarray) -> np.ndarray:
+        far = np.flatnonzero(bins >= self.distance.bins)
+        if not far.size:
+            return (bins * RINGS).astype(np.int64)
+        mantissa, octave = np.frexp(bins[far])
+        rings = (bins * RINGS).astype(np.int64)
+        rings[far] = (octave.astype(np.int64) - self._first_octave) * _OCTAVE - _OCTAVE
+        rings[far] += (mantissa * (2 * _OCTAVE)).astype(np.int64) + self.distance.bins * RINGS
+        return rings
 
-    def _scores(self, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """[N, M] squared distances less |p|^2."""
-        x, y = self._twice
-        return self._square - np.multiply.outer(forward, x) - np.multiply.outer(right, y)
+    def _own_of(self, ring: int) -> np.ndarray:
+        """[S] the learned cell that each sector lies in, or -1."""
+        if ring >= self.distance.bins * RINGS:
+            return np.full(self.angle.bins * SECTORS, -1)
+        return np.repeat(self._own[ring // RINGS], SECTORS)
 
-    def _winners(self, scores: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        limit = scores.min(axis=1) + self._slack(reach)
-        return np.argmax(scores <= limit[:, None], axis=1)
+    def _edges(self, ring: int) -> tuple[float, float]:
+        """Inner and outer radius [m]."""
+        width, near = self.distance.width, self.distance.bins * RINGS
+        if ring < near:
+            return ring / RINGS * width, (ring + 1) / RINGS * width
+        octave, part = divmod(ring - near, _OCTAVE)
+        unit = width * 2.0 ** (octave + self._first_octave) / (2 * _OCTAVE)
+        return (part + _OCTAVE) * unit, (part + _OCTAVE + 1) * unit
 
-    def _compare_all(self, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        found = np.empty(len(forward), dtype=np.int64)
-        step = max(1, _BRUTE_CHUNK // len(self._square))
-        for start in range(0, len(forward), step):
-            x, y = forward[start : start + step], right[start : start + step]
-            reach = np.maximum(np.abs(x), np.abs(y))
-            found[start : start + step] = self._winners(self._scores(x, y), reach)
-        return found
+    def _ring(self, ring: int) -> tuple[np.ndarray, np.ndarray]:
+        """The only candidate of each sector [S], and which candidates the disputed ones keep [S, M]."""
+        single = self._own_of(ring)
+        keep = np.zeros((len(single), len(self._square)), dtype=bool)
+        todo = np.flatnonzero(single < 0)
+        step = max(1, (1 << 18) // len(self._square))
+        for start in range(0, len(todo), step):
+            sectors = todo[start : start + step]
+            x, y = self._hull(ring, sectors)
+            scores, slack = self._scores(x, y), self._slack(np.hypot(x, y))[..., None]
+            winners = np.argmax(scores <= scores.min(axis=2, keepdims=True) + slack, axis=2)  # [5, s]
+            agreed = np.all(winners == winners[0], axis=0)
+            single[sectors] = winners[0]
+            split = np.flatnonzero(~agreed)
+            keep[sectors[split]] = _unbeaten(scores[:, split], winners[:, split], 4.0 * slack[:, split])
+        return single, keep
 
-    def _compare_all_of(self, number: int, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        return self._compare_all(forward, right)
+    def _hull(self, ring: int, sectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x, y [5, s]: corners of a convex hull: the sector's own, and where the outer tangents meet."""
+        inner, outer = self._edges(ring)
+        step = self.angle.width / SECTORS
+        low = self.angle.edges[0] + sectors * step
+        apex = outer / math.cos(step / 2.0)
+        radii = np.array([inner, inner, outer, outer, apex])[:, None]
+        angles = np.stack([low, low + step, low, low + step, low + step / 2.0])
+        return radii * np.cos(angles), radii * np.sin(angles)
 
-    def _find_in_level(self, number: int, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        level = self._levels[number] or self._level(number)
-        square = ((forward + level.half) * level.scale).astype(np.int64) * _SIDE
-        square += ((right + level.half) * level.scale).astype(np.int64)
-        found = level.single[square]
-        open_ = np.flatnonzero(found < 0)
-        if open_.size:
-            found[open_] = self._settle(level, -1 - found[open_], forward[open_], right[open_])
-        return found
+    def _scores(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """[..., M] squared distances to the centres, less that to the origin."""
+        return self._square - x[..., None] * self._twice_x - y[..., None] * self._twice_y
 
-    def _settle(self, level: _Level, rows: np.ndarray, forward: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Compare the candidates of ``rows`` [N]; one flat array of (point, candidate) pairs."""
-        lengths = level.lengths[rows]
+    def _slack(self, d: np.ndarray) -> np.ndarray:
+        return _TIE * self._radius * (self._radius + d)
+
+    def _candidates(self, cells: np.ndarray) -> list[tuple[float, float, float, Any]]:
+        parts = (self._square[cells], self._twice_x[cells], self._twice_y[cells])
+        return list(zip(*(p.tolist() for p in parts), (self._items[c] for c in cells.tolist()), strict=True))
+
+    def _remember(self, ring: int, single: np.ndarray, keep: np.ndarray) -> None:
+        """Add a ring to the arrays that :meth:`find_many` reads."""
+        self._slots[ring] = len(self._codes)
+        # One column early for index -1, then as the rows of entries.
+        row = np.concatenate([single[-1:], single, single[:SECTORS], single[-1:]])
+        self._codes = np.concatenate([self._codes, row[None, :]])
+        self._lengths = np.concatenate([self._lengths, keep.sum(axis=1)])
+        self._flat = np.concatenate([self._flat, np.nonzero(keep)[1]])
+        self._starts = np.cumsum(self._lengths) - self._lengths
+
+    def _settle_many(self, rows: np.ndarray, d: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Nearest candidate [N] of each row; worked on as one flat array of (target, candidate) pairs."""
+        lengths = self._lengths[rows]
         firsts = np.cumsum(lengths) - lengths
-        within = np.arange(int(lengths.sum())) - np.repeat(firsts - level.starts[rows], lengths)
-        candidates = level.flat[within]
-        x, y = self._twice
-        scores = self._square[candidates] - np.repeat(forward, lengths) * x[candidates]
-        scores -= np.repeat(right, lengths) * y[candidates]
-        limit = np.minimum.reduceat(scores, firsts)
-        limit += self._slack(np.maximum(np.abs(forward), np.abs(right)))
-        tied = np.where(scores <= np.repeat(limit, lengths), candidates, len(self._square))
+        pairs = np.arange(int(lengths.sum())) + np.repeat(self._starts[rows] - firsts, lengths)
+        cells = self._flat[pairs]
+        scores = self._square[cells] - np.repeat(x, lengths) * self._twice_x[cells]
+        scores -= np.repeat(y, lengths) * self._twice_y[cells]
+        limit = np.minimum.reduceat(scores, firsts) + self._slack(d)
+        tied = np.where(scores <= np.repeat(limit, lengths), cells, len(self._square))
         return np.minimum.reduceat(tied, firsts)
 
-    def _row(self, level: _Level, code: int) -> list[tuple[float, float, float, int]]:
-        start = int(level.starts[-1 - code])
-        indices = level.flat[start : start + int(level.lengths[-1 - code])]
-        parts = (self._square[indices], self._twice[0][indices], self._twice[1][indices], indices)
-        level.rows[code] = list(zip(*(part.tolist() for part in parts), strict=True))
-        return level.rows[code]
 
-    def _level(self, number: int) -> _Level:
-        # A hair wider than its reach, so that rounding never points past the last square.
-        half = self._radius * 2.0**number * (1.0 + 1e-9)
-        corners = np.linspace(-half, half, _SIDE + 1)
-        winners = self._corner_winners(corners)
-        used = self._used_squares(corners, number)
-        agreed = np.all(winners == winners[:, :1], axis=1)
-        single = winners[:, 0].copy()
-        disputed = np.flatnonzero(used & ~agreed)
-        single[disputed] = -1 - np.arange(len(disputed))
-        lengths, flat = self._candidates(disputed, corners, winners[disputed])
-        starts = np.cumsum(lengths) - lengths
-        level = _Level(half, _SIDE / (2.0 * half), single, starts, lengths, flat, single.tolist())
-        self._levels[number] = level
-        return level
+def _unbeaten(scores: np.ndarray, winners: np.ndarray, slack: np.ndarray) -> np.ndarray:
+    """[s, M] True where no corner's winner beats a centre at all corners by more than ``slack``.
 
-    def _corner_winners(self, corners: np.ndarray) -> np.ndarray:
-        """[squares, 4] the nearest point at each corner of every square."""
-        x, y = (part.ravel() for part in np.meshgrid(corners, corners, indexing="ij"))
-        best = self._compare_all(x, y).reshape(_SIDE + 1, _SIDE + 1)
-        four = [best[:-1, :-1], best[:-1, 1:], best[1:, :-1], best[1:, 1:]]
-        return np.stack([part.ravel() for part in four], axis=1)
-
-    def _used_squares(self, corners: np.ndarray, number: int) -> np.ndarray:
-        """Squares that this level is asked about: the level below answers for the middle."""
-        if number == 0:
-            return np.ones(_SIDE * _SIDE, dtype=bool)
-        outer = np.maximum(np.abs(corners[:-1]), np.abs(corners[1:]))
-        inner_reach = self._radius * 2.0 ** (number - 1) * (1.0 - 1e-9)
-        return np.asarray(np.maximum.outer(outer, outer).ravel() >= inner_reach)
-
-    def _candidates(
-        self, squares: np.ndarray, corners: np.ndarray, winners: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Number of candidates of each square [R], and all of them in one array."""
-        lengths, flat = np.zeros(len(squares), dtype=np.int64), [np.zeros(0, dtype=np.int64)]
-        step = max(1, _BRUTE_CHUNK // (16 * len(self._square)))
-        for start in range(0, len(squares), step):
-            part = slice(start, start + step)
-            i, j = np.divmod(squares[part], _SIDE)
-            keep = self._unbeaten(corners[i], corners[i + 1], corners[j], corners[j + 1], winners[part])
-            lengths[part] = keep.sum(axis=1)
-            flat.append(np.nonzero(keep)[1])
-        return lengths, np.concatenate(flat)
-
-    def _unbeaten(
-        self,
-        low_x: np.ndarray,
-        high_x: np.ndarray,
-        low_y: np.ndarray,
-        high_y: np.ndarray,
-        winners: np.ndarray,
-    ) -> np.ndarray:
-        """[R, M] True where no corner's winner beats the point at all four corners, ties aside."""
-        at = [(low_x, low_y), (low_x, high_y), (high_x, low_y), (high_x, high_y)]
-        scores = np.stack([self._scores(x, y) for x, y in at])  # [4, R, M]
-        reach = np.max([np.maximum(np.abs(x), np.abs(y)) for x, y in at], axis=0)
-        slack = 4.0 * np.asarray(self._slack(reach))[:, None]
-        keep = np.ones(scores.shape[1:], dtype=bool)
-        for corner in range(4):
-            rival = np.take_along_axis(scores, winners[None, :, corner, None], axis=2)  # [4, R, 1]
-            keep &= ~np.all(scores > rival + slack, axis=0)
-        return keep
+    scores: [5, s, M]; winners: [5, s], the nearest centre at each corner.
+    """
+    keep = np.ones(scores.shape[1:], dtype=bool)
+    for winner in winners:
+        rival = np.take_along_axis(scores, winner[None, :, None], axis=2)  # [5, s, 1]
+        keep &= ~np.all(scores > rival + slack, axis=0)
+    return keep
