@@ -57,7 +57,9 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     )
     for name in ("planner", "arena", *(["theta"] if per_theta else [])):
         table.add_column(name, no_wrap=True)
-    for name in ("caught", "success %", "95 % interval", "mean s", "paper %", "differs"):
+    # per bearing the paper printed nothing that could stand beside ours
+    beside = () if per_theta else ("paper %", "differs")
+    for name in ("caught", "success %", "95 % interval", "mean s", *beside):
         table.add_column(name, justify="right", no_wrap=True)
     previous = None
     for row in facts["rows"]:
@@ -69,7 +71,8 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
             table.add_section()
         previous = place
         cells = _cells(row)
-        table.add_row(*(cells if per_theta else cells[:2] + cells[3:]), style="bold" if total and per_theta else None)
+        shown = cells[:-2] if per_theta else cells[:2] + cells[3:]
+        table.add_row(*shown, style="bold" if total and per_theta else None)
     out.print(table)
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
@@ -88,10 +91,10 @@ def episode_table(episode: Any) -> None:
         table.add_column(name, justify="left" if name == "gait" else "right", no_wrap=True)
     for row in episode.frame.itertuples():
         aim = "" if math.isnan(row.target_distance) else f"{row.target_distance:.3f} m"
-        table.add_row(
-            str(row.step), f"{row.time:.1f} s", f"{row.seen_distance:.3f} m", f"{math.degrees(row.seen_angle):+.0f} deg",
-            aim, row.gait, f"{row.value:.3g}", str(row.prey_observations),
-        )  # fmt: skip
+        bearing = f"{math.degrees(row.seen_angle):+.0f} deg"
+        seen = f"{row.seen_distance:.3f} m", bearing, aim
+        moves = str(row.prey_observations)
+        table.add_row(str(row.step), f"{row.time:.1f} s", *seen, row.gait, f"{row.value:.3g}", moves)
     out.print(table)
     objective = episode.frame["objective"].iloc[0] if len(episode.frame) else ""
     out.print(f"value: {objective}. moves seen: prey transitions learned so far.", style="dim")

@@ -1,0 +1,49 @@
+"""Counts and probabilities against numbers worked out by hand."""
+
+import numpy as np
+import pytest
+
+from bayeshunt.errors import BayesHuntError, ZeroCountError
+from bayeshunt.tables import check_cpt, credible_interval, entropy, normalise
+
+COUNTS = np.array([[3, 0], [1, 5]])
+
+
+def test_maximum_likelihood_by_hand():
+    np.testing.assert_array_equal(normalise(COUNTS), [[0.75, 0.0], [0.25, 1.0]])
+
+
+def test_dirichlet_by_hand():
+    np.testing.assert_allclose(normalise(COUNTS, 1.0), [[4 / 6, 1 / 7], [2 / 6, 6 / 7]], rtol=1e-15)
+
+
+def test_an_empty_column_is_an_error_not_a_uniform():
+    with pytest.raises(ZeroCountError, match=r"Distance.*\[1\]"):
+        normalise(np.array([[3, 0], [1, 0]]), name="Distance")
+
+
+def test_entropy_in_bits():
+    np.testing.assert_allclose(entropy(np.array([[0.5, 1.0], [0.5, 0.0]])), [1.0, 0.0])
+
+
+def test_check_cpt():
+    check_cpt(normalise(COUNTS))
+    with pytest.raises(BayesHuntError, match="sums to"):
+        check_cpt(np.array([[0.5], [0.4]]))
+    with pytest.raises(BayesHuntError, match="probabilities"):
+        check_cpt(np.array([[np.nan], [1.0]]))
+
+
+def test_credible_interval_of_a_uniform_prior_and_no_data():
+    # Beta(1, 1) is uniform: its central 95 % runs from 0.025 to 0.975
+    low, high = credible_interval(np.zeros((2, 1)), 1.0)
+    np.testing.assert_allclose(low, 0.025)
+    np.testing.assert_allclose(high, 0.975)
+
+
+def test_credible_interval_holds_the_mean_and_narrows():
+    few, many = credible_interval(COUNTS, 1.0), credible_interval(100 * COUNTS, 1.0)
+    mean = normalise(COUNTS, 1.0)
+    assert (few[0] < mean).all()
+    assert (mean < few[1]).all()
+    assert (many[1] - many[0] < few[1] - few[0]).all()

@@ -1,0 +1,130 @@
+"""Physics: drives, limits, momentum, walls and the catch rule."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bayeshunt.config import ArenaSettings, NoiseSettings, PhysicsSettings, PreySettings
+from bayeshunt.geometry import Pose
+from bayeshunt.settings import load_robot
+from bayeshunt.world.arena import Arena, Streams
+from bayeshunt.world.noise import actuator_factors
+
+QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
+ORIGIN, FAR = Pose(0.0, 0.0, 0.0), Pose(5.0, 5.0, 0.0)
+
+
+def quiet(robot):
+    return load_robot(robot).model_copy(update={"noise": QUIET})
+
+
+def arena_for(robot, *, prey_pose=FAR, hunter_pose=ORIGIN, walled=False, prey_speed=0.0, catch=0.058):
+    streams = Streams(*(np.random.default_rng(k) for k in range(3)))
+    prey = PreySettings(behaviour="straight", speed=prey_speed, noise=QUIET)
+    return Arena(
+        robot, prey, ArenaSettings(walled=walled), PhysicsSettings(), streams,
+        hunter_pose=hunter_pose, prey_pose=prey_pose, catch_distance=catch,
+    )  # fmt: skip
+
+
+def test_straight_gait_covers_speed_times_time_less_the_start():
+    arena = arena_for(quiet("khepera"))
+    arena.run((0.0576, 0.0576), 3.2)
+    # at 0.6 m/s2 the first two steps of 32 ms run at 19.2 and 38.4 mm/s instead of 57.6
+    assert arena.hunter.pose.x == pytest.approx(0.0576 * 3.2 - (0.0384 + 0.0192) * 0.032, abs=1e-6)
+    assert arena.hunter.pose.y == pytest.approx(0.0, abs=1e-6)
+
+
+def test_turning_rate_is_the_wheels_difference_over_the_axle():
+    arena = arena_for(quiet("khepera"))
+    arena.run((0.02, 0.03), 1.0)
+    start = arena.hunter.pose.theta
+    arena.run((0.02, 0.03), 2.0)
+    turned = arena.hunter.pose.theta - start
+    assert turned == pytest.approx(0.01 / 0.052 * arena.physics.steps(2.0) * 0.032, rel=1e-3)
+
+
+def test_car_follows_the_bicycle_model():
+    arena = arena_for(quiet("car"))
+    arena.run((0.05, 0.3), 1.0)
+    start = arena.hunter.pose.theta
+    arena.run((0.05, 0.3), 2.0)
+    seconds = arena.physics.steps(2.0) * 0.032
+    assert arena.hunter.pose.theta - start == pytest.approx(0.05 * math.tan(0.3) / 0.045 * seconds, rel=1e-3)
+
+
+def test_car_cannot_turn_on_the_spot():
+    arena = arena_for(quiet("car"))
+    arena.run((0.0, 0.5), 3.0)
+    assert arena.hunter.pose.theta == pytest.approx(0.0, abs=1e-9)
+
+
+def test_momentum_is_carried_into_the_next_gait():
+    rolling, resting = arena_for(quiet("khepera")), arena_for(quiet("khepera"))
+    rolling.run((0.0576, 0.0576), 1.0)
+    before = rolling.hunter.pose.x
+    for arena in (rolling, resting):
+        arena.run((0.0, 0.0), 1.0)
+    assert rolling.hunter.pose.x - before > 0.001
+    assert resting.hunter.pose.x == 0.0
+
+
+def test_walls_stop_a_robot_and_it_slides_along_them():
+    arena = arena_for(quiet("khepera"), walled=True, hunter_pose=Pose(0.0, 0.0, 0.5))
+    arena.run((0.0576, 0.0576), 20.0)
+    x, y, theta = arena.hunter.pose
+    assert x == pytest.approx(0.6 - 0.0285, abs=0.002)
+    assert y > 0.35  # it went on along the wall
+    assert theta == pytest.approx(0.5, abs=1e-5)  # no friction, no spin
+
+
+def test_robots_do_not_pass_through_each_other():
+    arena = arena_for(quiet("khepera"), prey_pose=Pose(0.1, 0.0, 0.0), catch=0.001)
+    arena.run((0.0576, 0.0576), 3.0)
+    gap = arena.prey.pose.x - arena.hunter.pose.x
+    assert gap == pytest.approx(0.057, abs=0.001)
+    assert arena.prey.pose.x > 0.105  # pushed
+
+
+def test_the_catch_is_found_at_the_physics_step_it_happens():
+    arena = arena_for(quiet("khepera"), prey_pose=Pose(0.15, 0.0, 0.0), catch=0.0581)
+    assert arena.run((0.0576, 0.0576), 3.328)
+    gap = math.hypot(arena.prey.pose.x - arena.hunter.pose.x, arena.prey.pose.y - arena.hunter.pose.y)
+    assert 0.0581 - 0.0576 * 0.032 - 1e-6 < gap <= 0.0581 + 1e-6
+    assert arena.time < 3.328
+    assert arena.time / 0.032 == pytest.approx(round(arena.time / 0.032))
+    before = arena.time
+    assert arena.run((0.0576, 0.0576), 1.0)  # a caught prey stays caught and time stands still
+    assert arena.time == before
+
+
+def test_a_trial_is_repeatable_in_a_fresh_world():
+    def end():
+        arena = arena_for(load_robot("khepera"), prey_pose=Pose(0.2, 0.01, 2.0), walled=True, prey_speed=0.05)
+        arena.run((0.0576, 0.05), 30.0)
+        return arena.hunter.pose, arena.prey.pose
+
+    assert end() == end()
+
+
+def test_traction_limits_the_change_of_velocity():
+    robot = quiet("khepera")
+    slippery = robot.model_copy(update={"body": robot.body.model_copy(update={"max_traction": 0.02})})
+    arena = arena_for(slippery)
+    arena.run((0.0576, 0.0576), 1.0)
+    # 0.02 m/s2 for a second: less than half of 0.02 m
+    assert arena.hunter.pose.x == pytest.approx(0.5 * 0.02 * 1.0**2, rel=0.1)
+
+
+def test_noise_has_the_stated_spread():
+    settings = NoiseSettings(slip=0.1, drift_sd=0.025, drift_time=0.5)
+    factors = actuator_factors(settings, 0.064, np.random.default_rng(0))
+    a = np.array([next(factors) for _ in range(20000)])
+    # var = slip^2 / 3 + drift^2 (the product term is below 1e-5)
+    assert a.std() == pytest.approx(math.sqrt(0.1**2 / 3 + 0.025**2), rel=0.03)
+    assert a.mean() == pytest.approx(1.0, abs=0.003)
+    assert abs(np.corrcoef(a.T)[0, 1]) < 0.03  # wheels slip independently
+    # drift remembers: lag-1 autocovariance = drift^2 exp(-dt / tau)
+    lag = np.mean((a[1:, 0] - 1) * (a[:-1, 0] - 1))
+    assert lag == pytest.approx(0.025**2 * math.exp(-0.064 / 0.5), rel=0.25)

@@ -1,0 +1,98 @@
+"""One conformance check over every prey behaviour, and what each of them is for."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bayeshunt.config import ArenaSettings, NoiseSettings, PreySettings
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import Pose
+from bayeshunt.settings import load_experiment
+from bayeshunt.world.arena import Arena, Streams
+from bayeshunt.world.prey import Context, build_prey, prey_names, register_prey
+
+ORIGIN, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
+QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
+
+
+def arena_with(prey, *, walled=False, seed=0, hunter=ORIGIN, at=AHEAD):
+    paper = load_experiment("paper")
+    streams = Streams(*(np.random.default_rng([seed, k]) for k in range(3)))
+    return Arena(
+        paper.robot, prey, ArenaSettings(walled=walled), paper.physics, streams,
+        hunter_pose=hunter, prey_pose=at, catch_distance=0.01,
+    )  # fmt: skip
+
+
+def track(prey, seconds=12.0, **where):
+    arena, moments = arena_with(prey, **where), []
+    arena.run((0.0, 0.0), seconds, moments)
+    return np.array([m.prey for m in moments])
+
+
+@pytest.mark.parametrize("walled", [False, True])
+@pytest.mark.parametrize("behaviour", prey_names())
+def test_conformance(behaviour, walled):
+    prey = PreySettings(behaviour=behaviour)
+    first, again = track(prey, walled=walled, seed=3), track(prey, walled=walled, seed=3)
+    np.testing.assert_array_equal(first, again)  # same seed, same track
+    assert not np.array_equal(first, track(prey, walled=walled, seed=4))
+    assert np.isfinite(first).all()
+    steps = np.hypot(*np.diff(first[:, :2], axis=0).T) / 0.064
+    assert steps.max() < 0.048 * 2.5  # never much beyond its speed
+    if walled:
+        assert np.abs(first[:, :2]).max() < 0.6 - 0.0285 + 0.002  # never in a wall
+
+
+def test_braitenberg_in_free_space_goes_straight_at_its_free_speed():
+    path = track(PreySettings(behaviour="braitenberg", noise=QUIET), seconds=10.0)
+    assert path[-1][1] == pytest.approx(0.0, abs=1e-6)
+    assert path[-1][0] == pytest.approx(0.3 + 0.48, abs=0.005)
+
+
+def test_braitenberg_turns_away_from_a_wall_before_it_touches():
+    path = track(PreySettings(behaviour="braitenberg", noise=QUIET, sensor_noise=0.0), seconds=20.0, walled=True)
+    assert path[:, 0].max() < 0.6 - 0.0285 + 0.001
+    assert abs(path[-1][2]) > 0.3
+
+
+def test_braitenberg_sees_the_hunter_only_if_told_to():
+    near = {"hunter": ORIGIN, "at": Pose(-0.08, 0.02, 0.0), "seconds": 3.0}
+    blind = track(PreySettings(senses_hunter=False, noise=QUIET), **near)
+    seeing = track(PreySettings(senses_hunter=True, noise=QUIET), **near)
+    assert abs(blind[5][2]) < 1e-6
+    assert abs(seeing[5][2]) > 0.01
+
+
+def test_evader_turns_away_only_when_near():
+    far = track(PreySettings(behaviour="evader", noise=QUIET, flee_distance=1.0), at=Pose(0.3, 0.0, 1.0))
+    assert np.ptp(far[:, 2]) < 1e-6
+    fleeing = track(PreySettings(behaviour="evader", noise=QUIET, flee_distance=8.0), at=Pose(0.2, 0.0, math.pi - 0.5))
+    x, y, theta = fleeing[-1]
+    assert np.hypot(x, y) > 0.3  # it came towards the hunter and now leaves
+    assert math.cos(theta - math.atan2(y, x)) > 0.99
+
+
+def test_random_walk_wanders():
+    path = track(PreySettings(behaviour="random_walk", noise=QUIET), seconds=20.0)
+    assert np.ptp(np.unwrap(path[:, 2])) > 1.0
+
+
+def test_unknown_behaviour_names_the_known_ones():
+    context = Context(PreySettings(behaviour="rabbit"), ArenaSettings(), 0.057, 0.064, np.random.default_rng(0))
+    with pytest.raises(InputError, match=r"rabbit.*braitenberg"):
+        build_prey(context)
+
+
+def test_a_behaviour_of_ones_own():
+    class Still:
+        def __init__(self, context):
+            pass
+
+        def act(self, x, y, theta, hunter_x, hunter_y):
+            return 0.0, 0.0
+
+    register_prey("still", Still)
+    path = track(PreySettings(behaviour="still", noise=QUIET), seconds=2.0)
+    np.testing.assert_allclose(path[-1], (0.3, 0.0, 0.0), atol=1e-7)
