@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -17,10 +18,8 @@ from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Plan, Situation, check_request, predict_prey
 from bayeshunt.planners.rollouts import (
     CompiledRollouts,
-    CompiledSpace,
     GaitTree,
     LazyRollouts,
-    LazySpace,
     Objective,
     Outcomes,
     count_nodes,
@@ -120,7 +119,7 @@ class PlanningPlanner:
             if chosen.objective is mean_distance
             else getattr(chosen.objective, "__name__", repr(chosen.objective)),
             nodes=len(tree.handles),
-            make_trace=partial(_trace, self.gaits, space, tree, prey, situation.body_length),
+            make_trace=partial(_trace, self.gaits, space.describe, tree, prey, situation.body_length),
             expansions=len(tree.expanded),
             target=Polar(*(float(values[len(gaits)]) for values in prey)),
             prey_known=known,
@@ -137,7 +136,7 @@ class PlanningPlanner:
 
 def _trace(
     gaits: tuple[str, ...],
-    space: CompiledSpace | LazySpace,
+    describe: Callable[[list[Any]], dict[str, np.ndarray]],
     tree: SearchTree,
     prey: Polar,
     body_length: float,
@@ -149,7 +148,7 @@ def _trace(
     """
     nodes = np.arange(len(tree.handles))
     steps = np.array(tree.depths)
-    described = space.describe(tree.handles)
+    described = describe(tree.handles)
     last = [gaits[g] if g >= 0 else "" for g in described["gait"].tolist()]
     expansion = np.full(len(nodes), -1)
     expansion[tree.expanded] = np.arange(len(tree.expanded))

@@ -60,8 +60,8 @@ def same_plan(one: Plan, other: Plan) -> bool:
 
 def _global_generator() -> tuple[Any, ...]:
     """The state of numpy's global generator, comparable."""
-    _, keys, *rest = np.random.get_state()  # noqa: NPY002 - to see that nobody touches it
-    return keys.tobytes(), *rest
+    _, keys, *rest = np.random.get_state(legacy=True)
+    return tuple(np.asarray(keys).tolist()), *rest
 
 
 def _check_rng_required(planner: Planner, situation: Situation) -> None:

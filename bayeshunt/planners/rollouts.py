@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -171,7 +172,9 @@ class CompiledSpace:
     """A search space over a compiled tree; handles are node numbers of the tree."""
 
     def __init__(self, tree: GaitTree, first_child: list[int], samples: HunterSamples, values: np.ndarray) -> None:
-        self._tree, self._first_child, self._samples, self._values = tree, first_child, samples, values
+        self._gaits, self._first_child, self._values = tree.gaits, first_child, values
+        # Last gait, transitions and mean pose of nodes; apart from the values, which a kept plan can spare.
+        self.describe = partial(_describe_compiled, tree, samples)
 
     def root(self) -> tuple[int, float]:
         """Return node 0 and the present value."""
@@ -184,12 +187,7 @@ class CompiledSpace:
 
     def gait(self, handle: int) -> int:
         """Return the index of the node's last gait."""
-        return int(self._tree.gaits[handle])
-
-    def describe(self, handles: list[int]) -> dict[str, np.ndarray]:
-        """Return the last gait, transitions and mean pose of every node, arrays [n]."""
-        poses = [a[:, handles] for a in self._samples[:3]]
-        return _description(self._tree.gaits[handles], self._tree.transitions[handles], *poses)
+        return int(self._gaits[handle])
 
 
 class LazyRollouts:
@@ -237,7 +235,8 @@ class LazySpace:
         """Return the index of the node's last gait."""
         return int(handle[1])
 
-    def describe(self, handles: list[Any]) -> dict[str, np.ndarray]:
+    @staticmethod
+    def describe(handles: list[Any]) -> dict[str, np.ndarray]:
         """Return the last gait, transitions and mean pose of every node, arrays [n]."""
         poses = [np.stack([h[i] for h in handles], axis=1) for i in (3, 4, 5)]
         return _description(np.array([h[1] for h in handles]), np.array([h[2] for h in handles]), *poses)
@@ -249,6 +248,11 @@ def _compose(
     """Return the pose reached by a move (ahead, across, turn) made from a pose; Polar.compose, Cartesian."""
     cos, sin = np.cos(heading), np.sin(heading)
     return forward + cos * ahead - sin * across, right + sin * ahead + cos * across, heading + turn
+
+
+def _describe_compiled(tree: GaitTree, samples: HunterSamples, handles: list[int]) -> dict[str, np.ndarray]:
+    poses = [a[:, handles] for a in (samples.forward, samples.right, samples.heading)]
+    return _description(tree.gaits[handles], tree.transitions[handles], *poses)
 
 
 def _description(

@@ -27,7 +27,7 @@ class Tree:
 #          r(9)
 #      a(5)      b(3)
 #    c(1) d(4)  e(6) f(7)
-TREE = Tree({"r": "ab", "a": "cd", "b": "ef"}, dict(r=9.0, a=5.0, b=3.0, c=1.0, d=4.0, e=6.0, f=7.0))
+TREE = Tree({"r": "ab", "a": "cd", "b": "ef"}, {"r": 9.0, "a": 5.0, "b": 3.0, "c": 1.0, "d": 4.0, "e": 6.0, "f": 7.0})
 
 
 def run(order: str, *, depth: int = 2, expansions: int | None = None, stop: float = -math.inf, tree=TREE):
@@ -76,7 +76,7 @@ def test_branch_leads_from_the_root():
 
 
 def test_equal_values_prefer_the_shallow_and_then_the_first_generated():
-    values = dict(r=1.0, a=2.0, b=3.0, c=3.0, d=3.0, e=3.0, f=3.0)
+    values = {"r": 1.0, "a": 2.0, "b": 3.0, "c": 3.0, "d": 3.0, "e": 3.0, "f": 3.0}
     tree = Tree({"r": "ab", "a": "cd", "c": "e", "b": "f"}, values)
     result = run("best-first", depth=5, tree=tree)
     # After r and a: b (depth 1), c and d (depth 2) are all worth 3.
@@ -84,12 +84,20 @@ def test_equal_values_prefer_the_shallow_and_then_the_first_generated():
     assert result.handles[result.best] == "a"
 
 
+def test_of_equally_good_nodes_the_first_generated_is_the_plan():
+    tree = Tree({"r": "ab", "a": "c", "b": "d"}, {"r": 9.0, "a": 5.0, "b": 5.0, "c": 1.0, "d": 1.0})
+    for order in ("best-first", "breadth-first"):
+        result = run(order, tree=tree)
+        assert result.handles[result.best] == "c"
+        assert len(result.expanded) == 3
+
+
 def test_the_root_is_never_the_plan():
-    tree = Tree({"r": "a"}, dict(r=0.0, a=5.0))
+    tree = Tree({"r": "a"}, {"r": 0.0, "a": 5.0})
     assert run("best-first", tree=tree).best == 1
 
 
-@pytest.mark.parametrize("values", [dict(r=1.0), dict(r=1.0, a=math.nan)])
+@pytest.mark.parametrize("values", [{"r": 1.0}, {"r": 1.0, "a": math.nan}])
 def test_nothing_to_choose_from_is_an_error(values):
     tree = Tree({"r": "a"} if "a" in values else {}, values)
     with pytest.raises(InputError, match="no node"):
@@ -97,5 +105,5 @@ def test_nothing_to_choose_from_is_an_error(values):
 
 
 def test_unknown_order():
-    with pytest.raises(InputError, match="depth-first.*best-first"):
+    with pytest.raises(InputError, match=r"depth-first.*best-first"):
         Search("depth-first", 1, None, 0.0)
