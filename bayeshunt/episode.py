@@ -61,8 +61,52 @@ class Step(NamedTuple):
                 f"expected_{k}": float(getattr(expected, k)[1]) if expected is not None else np.nan
                 for k in Polar._fields
             },
+            **_path("predicted", plan.predicted_prey),
+            **_path("planned", _planned_path(plan)),
+            **_alternatives(plan),
+            "prey_table": _prey_table(situation.prey_model),
         }
         return cls(values, plan, situation)
+
+
+def _path(name: str, path: Polar | None) -> dict[str, list[float] | None]:
+    """A path seen from the hunter as three columns of lists [T + 1], None where there is none."""
+    parts = [None] * 3 if path is None else [np.asarray(part, dtype=float).tolist() for part in path]
+    return {f"{name}_{k}": part for k, part in zip(Polar._fields, parts, strict=True)}
+
+
+def _planned_path(plan: Plan) -> Polar | None:
+    """The hunter 0..T steps ahead on the chosen branch, if the plan's trace tells poses."""
+    trace = plan.trace
+    if not {"chosen", "T", "hunter_forward", "hunter_right", "hunter_heading"} <= set(trace.columns):
+        return None
+    branch = trace[trace["chosen"]].sort_values("T")
+    return Polar.from_cartesian(branch["hunter_forward"], branch["hunter_right"], branch["hunter_heading"])
+
+
+def _alternatives(plan: Plan) -> dict[str, Any]:
+    """The first gaits a search considered and the least value found under each."""
+    trace = plan.trace
+    if not {"node", "parent", "T", "gait", "value_m"} <= set(trace.columns):
+        return {"alternative_gaits": None, "alternative_values": None}
+    first: dict[int, str] = {}
+    least: dict[str, float] = {}
+    rows = trace[["node", "parent", "T", "gait", "value_m"]].itertuples(index=False)
+    for node, parent, depth, gait, value in rows:
+        if depth >= 1:
+            first[node] = gait if depth == 1 else first[parent]
+            least[first[node]] = min(value, least.get(first[node], np.inf))
+    return {"alternative_gaits": list(least), "alternative_values": list(least.values())}
+
+
+def _prey_table(prey_model: Any) -> list[list[float]]:
+    """What is known of the prey: [distance m, angle, heading rad (cell centres), count] per cell seen."""
+    axes = prey_model.axes
+    rows = prey_model.to_dict()["counts"]
+    return [
+        [(d + 0.5) * axes.distance.width, float(axes.angle.centres[a]), float(axes.heading.centres[h]), float(n)]
+        for d, a, h, n in rows
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +118,9 @@ class Episode:
         (``hunter_*``, ``prey_*``) are counter-clockwise, what the hunter sees (``seen_*``,
         ``target_*``) clockwise; ``observed_*`` is the prey transition learned before the decision,
         ``expected_*`` the prey model's mean transition after it; ``support`` is -1 where not asked.
+        Lists: ``predicted_*`` and ``planned_*`` are the prey and the hunter 0..T steps ahead as the
+        hunter sees them; ``alternative_values`` the least value under each of ``alternative_gaits``;
+        ``prey_table`` the prey's [distance, angle, heading, count] per cell seen.
     trail: both robots' world poses every control interval.
     provenance: settings, planner, arena, theta, seed: what makes the hunt again.
     plans: the plans themselves, step by step; empty for an episode read from a file.
