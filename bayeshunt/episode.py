@@ -36,8 +36,8 @@ class Step(NamedTuple):
         """Summarise a decision; ``observed`` is the prey transition learned just before it."""
         target = plan.target if plan.target is not None else Polar(np.nan, np.nan, np.nan)
         seen = observed if observed is not None else Polar(np.nan, np.nan, np.nan)
-        known = not situation.prey_model.is_empty
-        expected = situation.prey_model.predict_path(1) if known else None
+        learned: Any = situation.prey_model
+        expected = None if learned.is_empty else learned.predict_path(1)
         values = {
             "step": step,
             "time": moment.time,
@@ -55,7 +55,7 @@ class Step(NamedTuple):
             "posterior": None if plan.posterior is None else np.asarray(plan.posterior).tolist(),
             "posterior_entropy": np.nan if plan.posterior is None else float(entropy(plan.posterior)),
             "prey_known": plan.prey_known,
-            "prey_observations": situation.prey_model.observations,
+            "prey_observations": learned.observations,
             **{f"observed_{k}": float(v) for k, v in seen._asdict().items()},
             **{
                 f"expected_{k}": float(getattr(expected, k)[1]) if expected is not None else np.nan
@@ -64,7 +64,7 @@ class Step(NamedTuple):
             **_path("predicted", plan.predicted_prey),
             **_path("planned", _planned_path(plan)),
             **_alternatives(plan),
-            "prey_table": _prey_table(situation.prey_model),
+            "prey_table": _prey_table(learned),
         }
         return cls(values, plan, situation)
 
