@@ -18,10 +18,13 @@ if TYPE_CHECKING:
         BayesHuntError,
         ConfigError,
         DataError,
+        FolderInUseError,
         ImpossibleEvidenceError,
         InputError,
         ModelFileError,
         NothingObservedError,
+        ResultsError,
+        WorkerError,
         ZeroCountError,
     )
     from bayeshunt.experiments.runner import evaluate
@@ -52,10 +55,13 @@ _HOMES = {
             "BayesHuntError",
             "ConfigError",
             "DataError",
+            "FolderInUseError",
             "ImpossibleEvidenceError",
             "InputError",
             "ModelFileError",
             "NothingObservedError",
+            "ResultsError",
+            "WorkerError",
             "ZeroCountError",
         )
     },

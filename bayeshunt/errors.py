@@ -27,6 +27,18 @@ class ModelFileError(InputError):
     """A model file cannot be read: damaged, edited, of another kind or of a newer format."""
 
 
+class ResultsError(InputError):
+    """A folder of results cannot be used: damaged, of another experiment, or of a newer format."""
+
+
+class FolderInUseError(BayesHuntError):
+    """Another process is working in the same results folder."""
+
+
+class WorkerError(BayesHuntError):
+    """Worker processes keep dying, so the work cannot be finished."""
+
+
 class ImpossibleEvidenceError(BayesHuntError, ValueError):
     """P(evidence) = 0 under the model, so there is no posterior to give."""
 
