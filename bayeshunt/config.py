@@ -89,6 +89,13 @@ class RobotSettings(Settings):
         return self
 
     @property
+    def top_speed(self) -> float:
+        """The fastest that any gait drives the body's centre, without noise [m/s]."""
+        if self.body.drive == "car":
+            return max(abs(gait.speed or 0.0) for gait in self.gait)
+        return max(abs((gait.left or 0.0) + (gait.right or 0.0)) / 2 for gait in self.gait)
+
+    @property
     def gaits(self) -> GaitRepertoire:
         """The gaits as the models' repertoire."""
         first, second = _COMMAND_KEYS[self.body.drive]
@@ -181,7 +188,9 @@ class ExperimentSettings(Settings):
     physics: PhysicsSettings = Field(default_factory=PhysicsSettings)
     protocol: ProtocolSettings = Field(default_factory=ProtocolSettings)
     model: ModelSettings = Field(default_factory=ModelSettings)
-    planners: tuple[str, ...] = Field(("reactive", "prediction", "planning"), min_length=1)
+    planners: tuple[str, ...] = Field(
+        ("reactive", "prediction", "planning"), min_length=1, description="planners that are evaluated"
+    )
     planner: dict[str, dict[str, Any]] = Field(default_factory=dict, description="settings of planners, by name")
     published: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="published success [share], by planner and arena"

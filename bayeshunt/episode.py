@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _KEY = b"bayeshunt"
 _KIND = "episode"
+_TRAIL = ("time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta")
 
 
 class Step(NamedTuple):
@@ -142,7 +143,7 @@ class Episode:
         frame = pd.DataFrame([step.values for step in steps])
         path = pd.DataFrame(
             [(m.time, *m.hunter, *m.prey) for m in trail],
-            columns=["time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta"],
+            columns=list(_TRAIL),
         )
         provenance = {
             "kind": _KIND,
@@ -177,7 +178,7 @@ class Episode:
         try:
             table = pq.read_table(path, partitioning=None)
             record = json.loads((table.schema.metadata or {})[_KEY])
-            trail = pd.DataFrame(record.pop("trail"))
+            trail = pd.DataFrame(record.pop("trail"), columns=list(_TRAIL))
             if record.get("kind") != _KIND:
                 raise KeyError("kind")
             return cls(record["caught"], record["time"], table.to_pandas(), trail, record)

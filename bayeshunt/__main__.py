@@ -1,0 +1,5 @@
+"""``python -m bayeshunt``."""
+
+from bayeshunt.cli import main
+
+main()

@@ -1,0 +1,64 @@
+"""The babbling table: validation, provenance, round trip."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bayeshunt import dataset
+from bayeshunt.axes import EffectAxes
+from bayeshunt.errors import DataError
+from bayeshunt.gaits import GaitRepertoire
+
+GOOD = pd.DataFrame({"gait": ["a", "b"], "distance": [0.1, 0.2], "angle": [0.0, -1.0], "heading": [3.0, 0.0]})
+
+
+def changed(**columns):
+    return GOOD.assign(**columns)
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (GOOD.drop(columns="angle"), "column 'angle' is missing"),
+        (GOOD.iloc[:0], "no rows"),
+        (changed(distance=[0.1, np.nan]), "row 1: distance is nan; expected a finite number"),
+        (changed(heading=[np.inf, 0.0]), "row 0: heading is inf"),
+        (changed(distance=[0.1, -0.2]), "row 1: distance is -0.2; expected metres >= 0"),
+        (changed(angle=["x", "y"]), "column 'angle' holds"),
+        (changed(gait=["a", None]), "row 1: gait is empty"),
+        (changed(gait=["a", "z"]), "row 1: gait 'z' is not in the repertoire; expected one of a, b"),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_place(frame, message):
+    with pytest.raises(DataError, match=message):
+        dataset.validate(frame, ["a", "b"])
+
+
+def test_a_good_table_passes():
+    dataset.validate(GOOD, ["a", "b"])
+
+
+def test_round_trip_keeps_rows_and_provenance(tmp_path):
+    path = tmp_path / "t.parquet"
+    dataset.save(GOOD, path, {"seed": 3})
+    again = dataset.load(path)
+    pd.testing.assert_frame_equal(again, GOOD, check_dtype=False)
+    assert again.attrs[dataset.PROVENANCE_KEY] == {"seed": 3}
+    first = path.read_bytes()
+    dataset.save(GOOD, path, {"seed": 3})
+    assert path.read_bytes() == first
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_indices_by_hand():
+    axes = EffectAxes.standard(0.1)  # bins of 1 cm and 10 degrees
+    gaits = GaitRepertoire.of(["b", "a"])
+    indices = dataset.discretise(changed(distance=[0.105, 0.0]), gaits, axes)
+    zero = axes.angle.index(0.0)
+    assert indices[0].tolist() == [1, 10, zero, axes.heading.index(3.0)]
+    assert indices[1].tolist() == [0, 0, axes.angle.index(-1.0), zero]
+
+
+def test_path_columns_are_found_in_order():
+    names = dataset.path_column_names(12)
+    assert dataset.path_columns(reversed([*names, "gait", "path_x_forward"])) == names

@@ -1,0 +1,133 @@
+"""The hunt: one seed, one episode; what the record says is what happened."""
+
+import numpy as np
+import pytest
+
+from bayeshunt.episode import Episode
+from bayeshunt.errors import DataError, InputError
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.geometry import Polar, Pose
+from bayeshunt.hunting import hunt, run_hunt, starting_poses
+from bayeshunt.models.prey import PreyModel
+from bayeshunt.planners.registry import make_planner
+from bayeshunt.settings import load_experiment
+
+PAPER = load_experiment("paper")
+
+
+@pytest.fixture(scope="module")
+def planners(khepera_model):
+    return {name: make_planner(name, khepera_model) for name in ("reactive", "prediction", "planning")}
+
+
+@pytest.mark.parametrize("arena", ["walled", "open"])
+@pytest.mark.parametrize("name", ["reactive", "prediction", "planning"])
+def test_same_seed_same_episode(planners, name, arena):
+    one = hunt("paper", planners[name], arena=arena, theta=2.0, seed=5)
+    two = hunt("paper", planners[name], arena=arena, theta=2.0, seed=5)
+    assert one.frame.equals(two.frame)
+    assert one.trail.equals(two.trail)
+    assert not one.trail.equals(hunt("paper", planners[name], arena=arena, theta=2.0, seed=6).trail)
+
+
+def test_the_record_is_the_hunt_that_evaluate_runs(planners):
+    for seed in range(5):
+        episode = hunt("paper", planners["planning"], arena="walled", theta=4.0, seed=seed)
+        result = run_hunt(PAPER, planners["planning"], "walled", 4.0, seed)
+        assert (episode.caught, episode.time, len(episode.frame)) == (result.caught, result.time, result.decisions)
+
+
+def test_planners_meet_the_same_prey(planners):
+    # in the open the prey senses nobody: its track depends on the seed alone
+    tracks = [
+        hunt("paper", planners[name], arena="open", theta=0.0, seed=9).trail[["prey_x", "prey_y"]].to_numpy()
+        for name in ("reactive", "planning")
+    ]
+    shared = min(map(len, tracks)) - 1  # the interval of a catch is cut short
+    np.testing.assert_array_equal(tracks[0][:shared], tracks[1][:shared])
+
+
+def test_the_frame_agrees_with_itself(planners):
+    episode = hunt("paper", planners["prediction"], arena="open", theta=1.0, seed=0)
+    frame = episode.frame
+    hunter = Pose(*frame[["hunter_x", "hunter_y", "hunter_theta"]].to_numpy().T)
+    prey = Pose(*frame[["prey_x", "prey_y", "prey_theta"]].to_numpy().T)
+    seen = hunter.relative(prey)
+    for name in Polar._fields:
+        np.testing.assert_allclose(frame[f"seen_{name}"], getattr(seen, name), atol=1e-12)
+    # what was observed at step k is the prey's move from k - 1 to k
+    moved = Pose(*(v[:-1] for v in prey)).relative(Pose(*(v[1:] for v in prey)))
+    np.testing.assert_allclose(frame["observed_distance"][1:], moved.distance, atol=1e-12)
+    assert np.isnan(frame["observed_distance"][0])
+    assert frame["prey_observations"].tolist() == list(range(len(frame)))
+    assert frame["prey_known"].tolist() == [False] + [True] * (len(frame) - 1)
+    np.testing.assert_allclose(frame["time"], np.arange(len(frame)) * 3.328, atol=1e-9)
+    for posterior, gait in zip(frame["posterior"], frame["gait"], strict=True):
+        assert PAPER.robot.gaits.names[int(np.argmax(posterior))] == gait
+
+
+def test_a_miss_lasts_to_the_limit_and_not_longer(planners):
+    episode = hunt("paper", planners["reactive"], arena="open", theta=0.0, seed=1)
+    assert not episode.caught
+    assert episode.time == 60.0
+    assert len(episode.frame) == 19  # 18 whole steps of 3.328 s and the rest
+    assert episode.trail["time"].iloc[-1] == pytest.approx(60.0)
+
+
+def test_saved_episodes_come_back(planners, tmp_path):
+    episode = hunt("paper", planners["planning"], arena="walled", theta=3.0, seed=2)
+    episode.save(tmp_path / "e.parquet")
+    again = Episode.load(tmp_path / "e.parquet")
+    assert (again.caught, again.time) == (episode.caught, episode.time)
+    assert again.frame["gait"].tolist() == episode.frame["gait"].tolist()
+    assert again.trail.equals(episode.trail)
+    assert again.provenance == episode.provenance
+    with pytest.raises(DataError, match="no such file"):
+        Episode.load(tmp_path / "nowhere.parquet")
+
+
+def test_prior_knowledge_of_the_prey_is_copied(planners):
+    known = PreyModel()
+    known.observe(Polar(0.16, 0.0, 0.0))
+    episode = hunt("paper", planners["prediction"], arena="open", theta=1.0, seed=0, prey_model=known)
+    assert known.observations == 1
+    assert bool(episode.frame["prey_known"].iloc[0])
+
+
+def test_the_prey_starts_clockwise_at_theta():
+    hunter, prey = starting_poses(PAPER, 1.0)
+    seen = hunter.relative(prey)
+    assert seen.distance == pytest.approx(5 * 0.057)
+    assert seen.angle == pytest.approx(1.0)
+    assert seen.heading == 0.0
+    assert prey.y < 0  # clockwise of x
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"arena": "pond"}, "unknown arena 'pond'; expected one of walled, open"),
+        ({"seed": -1}, "seed: expected a whole number"),
+        ({"seed": 1.5}, "seed: expected a whole number"),
+        ({"theta": float("nan")}, "theta: expected a finite number"),
+    ],
+)
+def test_nonsense_is_refused(planners, change, message):
+    with pytest.raises(InputError, match=message):
+        hunt("paper", planners["reactive"], **change)
+
+
+@pytest.mark.parametrize("prey", ["straight", "random_walk", "evader"])
+@pytest.mark.parametrize("robot", ["khepera", "car"])
+def test_any_robot_hunts_any_prey(robot, prey):
+    settings = load_experiment("paper", {"robot": robot_settings(robot), "prey.behaviour": prey, "prey.speed": 0.02})
+    settings = settings.model_copy(update={"model": settings.model.model_copy(update={"babbling_steps": 200})})
+    model = learn_model(settings, 0)
+    caught = [run_hunt(settings, make_planner("planning", model), "walled", 3.0, seed).caught for seed in range(6)]
+    assert sum(caught) >= 4  # a prey of a third of the hunter's speed
+
+
+def robot_settings(name):
+    from bayeshunt.settings import load_robot
+
+    return load_robot(name).model_dump()

@@ -1,0 +1,108 @@
+"""Settings files: presets, a user's own, and one clear line for what is wrong."""
+
+import pytest
+
+from bayeshunt.errors import ConfigError
+from bayeshunt.settings import describe, load_experiment, load_robot, preset_names
+
+BODY = '[[gait]]\nname = "go"\nleft = 0.05\nright = 0.05\n'
+
+
+def write(tmp_path, text, name="mine.toml"):
+    path = tmp_path / name
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("name", preset_names("robots"))
+def test_every_robot_preset_loads(name):
+    robot = load_robot(name)
+    assert robot.name == name
+    assert len(robot.gaits) >= 2
+    assert robot.gaits.duration == robot.gait_duration
+
+
+def test_the_paper_preset_says_that_it_was_fitted():
+    paper = load_experiment("paper")
+    assert paper.protocol.thetas == (0, 1, 2, 3, 4, 5, 6)
+    assert "not in the paper" in paper.note
+    assert paper.published["reactive"] == {"walled": 0.1457}
+
+
+def test_settings_are_frozen():
+    with pytest.raises(ValueError, match="frozen"):
+        load_experiment("paper").protocol.runs = 3
+
+
+def test_a_users_file_may_change_only_some_keys(tmp_path):
+    write(tmp_path, 'name = "tiny"\n' + BODY, "robot.toml")
+    path = write(tmp_path, 'base = "paper"\nrobot = "robot.toml"\n[prey]\nspeed = 0.03\n')
+    mine = load_experiment(path)
+    assert mine.name == "paper"
+    assert mine.robot.name == "tiny"
+    assert mine.prey.speed == 0.03
+    assert mine.arenas["walled"].width == 1.2
+
+
+def test_overrides_by_dotted_key():
+    assert load_experiment("paper", {"prey.speed": 0.02}).prey.speed == 0.02
+    again = load_experiment(load_experiment("paper"), {"protocol.runs": 3})
+    assert again.protocol.runs == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name = ", "not valid TOML"),
+        ('base = "papr"\n', "base: expected a preset"),
+        ('base = "paper"\n[prey]\nsped = 1\n', r"prey\.sped: unknown key; did you mean 'speed'\?"),
+        ('base = "paper"\n[prey]\nspeed = -1\n', r"prey\.speed: .*greater than or equal to 0, got -1"),
+        ('base = "paper"\n[prey]\nspeed = nan\n', r"prey\.speed: .*"),
+        ('base = "paper"\n[prey.body]\ndrive = "legs"\n', r"prey\.body\.drive: .*'differential'.*got 'legs'"),
+        ('base = "paper"\n[protocol]\nruns = "many"\n', r"protocol\.runs: .*got 'many'"),
+        ('base = "paper"\n[protocol]\nthetas = []\n', r"protocol\.thetas: "),
+        ('base = "paper"\n[arenas.walled]\nwidth = 0.2\n', "the prey would start in a wall"),
+        ('base = "paper"\nrobot = "kepera"\n', "no preset called 'kepera'; did you mean 'khepera'"),
+        ('name = "x"\n', "robot: required, but not given"),
+    ],
+)
+def test_experiment_mistakes(tmp_path, text, message):
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError, match=message) as caught:
+        load_experiment(path)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('name = "r"\n', "gait: required"),
+        ('name = "r"\n' + BODY + BODY, "gait name 'go' stands twice"),
+        ('name = "r"\n[[gait]]\nname = "go"\nleft = 0.05\n', "differential drive needs left and right"),
+        ('name = "r"\n[body]\ndrive = "car"\n' + BODY, "car drive needs speed and steering"),
+        (
+            'name = "r"\n[body]\ndrive = "car"\n[[gait]]\nname = "go"\nspeed = 0.1\nsteering = 1.2\n',
+            "steers beyond body.max_steering",
+        ),
+        ('name = "r"\ngait_duration = 0\n' + BODY, "gait_duration: .*greater than 0"),
+    ],
+)
+def test_robot_mistakes(tmp_path, text, message):
+    with pytest.raises(ConfigError, match=message):
+        load_robot(write(tmp_path, text))
+
+
+def test_missing_and_binary_files(tmp_path):
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_robot(tmp_path / "nowhere.toml")
+    (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ConfigError, match="UTF-8"):
+        load_robot(tmp_path / "b.toml")
+
+
+@pytest.mark.parametrize("kind", ["experiment", "robot"])
+def test_every_key_has_a_meaning(kind):
+    rows = describe(kind)
+    assert len(rows) > 15
+    bare = [row["key"] for row in rows if not row["meaning"]]
+    assert not bare
