@@ -8,6 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from bayeshunt import displays
+
 if TYPE_CHECKING:
     from bayeshunt.axes import Axis, EffectAxes
     from bayeshunt.config import ExperimentSettings, RobotSettings
@@ -80,6 +82,9 @@ _HOMES = {
     "register_prey": ("bayeshunt.world.prey", "register_prey"),
     "hunt": ("bayeshunt.hunting", "hunt"),
 }
+
+# Models, plans and episodes show themselves; only the package knows which room draws them.
+displays.arrange("bayeshunt.views.display")
 
 __all__ = ["__version__", *sorted(_HOMES)]
 

@@ -17,19 +17,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt import dataset, tables
+from bayeshunt import dataset, displays, tables
 from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import DataError, InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
 from bayeshunt.models import network, sampling
 from bayeshunt.models.counts import JointCounts
+from bayeshunt.models.rows import CountedRows
+from bayeshunt.models.table import ProbabilityTable
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ForwardModel:
     """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
 
@@ -37,12 +39,14 @@ class ForwardModel:
     prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
     gait_prior: "uniform" (the paper) or "empirical".
     provenance: where the rows came from: ``{"sources": [record of each babbling table]}``.
+    data: the babbling tables counted, kept by reference for :meth:`rows`; a loaded model has none.
     """
 
     joint: JointCounts
     prior: float = 0.0
     gait_prior: str = "uniform"
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         prior = self.prior
@@ -110,7 +114,16 @@ class ForwardModel:
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        return ForwardModel(joint, self.prior, self.gait_prior, provenance)
+        return ForwardModel(joint, self.prior, self.gait_prior, provenance, (*self.data, rows))
+
+    def with_data(self, frame: pd.DataFrame) -> ForwardModel:
+        """Return this model with the babbling table that it counted, which a model file does not hold.
+
+        Raises DataError unless ``frame`` holds the very rows: same number, same cells.
+        """
+        model = ForwardModel(self.joint, self.prior, self.gait_prior, self.provenance, (frame,))
+        model._counted_rows  # noqa: B018  # checks the rows now, where the caller can see which table is wrong
+        return model
 
     # --- tables -------------------------------------------------------------------------------
 
@@ -140,6 +153,23 @@ class ForwardModel:
         """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count")."""
         self._check_variable(variable)
         return self._labelled(variable, self.joint.marginal(variable), "count")
+
+    def rows(self, variable: str, bin: str | int, gait: Gait | str | None = None) -> pd.DataFrame:
+        """Return the babbling rows behind a table cell, as many as :meth:`counts` says, in their order.
+
+        variable: "Distance", "Angle" or "Heading"; "Gait" then takes a gait as ``bin``.
+        bin: label or number of the bin. gait: column of the table; None: the rows of every gait.
+
+        Raises DataError if the model holds no rows (it was loaded from a file: see
+        :meth:`with_data`), InputError for an unknown variable, bin or gait.
+        """
+        self._check_variable(variable)
+        return self._counted_rows.find(self, variable, bin, gait)
+
+    def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
+        """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook."""
+        low, high = self.credible_interval(variable, level)
+        return ProbabilityTable(variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior)
 
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
@@ -246,6 +276,16 @@ class ForwardModel:
 
         xmlbif.write(self, path)
 
+    def __repr__(self) -> str:
+        bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
+        return f"<ForwardModel: {len(self.gaits)} gaits, {self.joint.total} rows, bins {bins}, prior {self.prior:g}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
     def __eq__(self, other: object) -> bool:
         """Equal counts, prior and gait prior, hence equal tables; provenance may differ."""
         if not isinstance(other, ForwardModel):
@@ -290,6 +330,10 @@ class ForwardModel:
             return pd.DataFrame({column: values}, index=pd.Index(self.gaits.names, name="Gait"))
         index = pd.Index(self.axes[variable].labels, name=variable)
         return pd.DataFrame(values.copy(), index=index, columns=pd.Index(self.gaits.names, name="Gait"))
+
+    @cached_property
+    def _counted_rows(self) -> CountedRows:
+        return CountedRows(self, self.data)
 
     @cached_property
     def _cumulative(self) -> list[tuple[np.ndarray, ...]]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt import displays
 from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
@@ -107,6 +108,15 @@ class InverseModel:
         )
         return pd.concat([frame, pd.DataFrame(self._values, columns=list(self.model.gaits.names))], axis=1)
 
+    def __repr__(self) -> str:
+        return f"<InverseModel: {len(self._cells)} learned coordinates, {len(self.model.gaits)} gaits>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return InverseModel, (self.model,)
 
@@ -129,8 +139,8 @@ class InverseModel:
     def _source(self, row: int) -> CellPosterior:
         d_bin, a_bin = self._cells[row].tolist()
         support = int(self.model.joint.support[d_bin, a_bin])
-        cell, names = self._cell(d_bin, a_bin, None), self.model.gaits.names
-        return CellPosterior(cell, names, self._values[row], float(self._evidence[row]), support)
+        cell = self._cell(d_bin, a_bin, None)
+        return CellPosterior(cell, self.model, self._values[row], float(self._evidence[row]), support)
 
     def _cell(self, d_bin: int, a_bin: int, h_bin: int | None) -> Cell:
         distance, angle, heading = self.model.axes
@@ -173,8 +183,8 @@ class InverseModel:
             if total > 0:
                 values = joint / total
                 values.setflags(write=False)
-                cell, names = self._cell(d_bin, a_bin, h_bin), self.model.gaits.names
-                self._known[key] = CellPosterior(cell, names, values, float(total), self._support(key))
+                cell = self._cell(d_bin, a_bin, h_bin)
+                self._known[key] = CellPosterior(cell, self.model, values, float(total), self._support(key))
         return self._known[key]
 
     def _support(self, key: tuple[int, int, int | None]) -> int:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt import displays
 from bayeshunt.geometry import Polar
+
+if TYPE_CHECKING:
+    from bayeshunt.models.forward import ForwardModel
 
 
 class Cell(NamedTuple):
@@ -38,16 +42,15 @@ class CellPosterior:
     """P(Gait | evidence) of one cell, made once and shared by every answer that uses the cell.
 
     values: read-only float64 [G]; evidence_probability: P(evidence); support: babbled rows in the
-    cell; best: the most probable gait (ties: first in table order).
+    cell; best: the most probable gait (ties: first in table order); model: the tables it comes from.
     """
 
-    __slots__ = ("best", "cell", "evidence_probability", "gaits", "support", "values")
+    __slots__ = ("best", "cell", "evidence_probability", "gaits", "model", "support", "values")
 
-    def __init__(
-        self, cell: Cell, gaits: tuple[str, ...], values: np.ndarray, probability: float, support: int
-    ) -> None:
+    def __init__(self, cell: Cell, model: ForwardModel, values: np.ndarray, probability: float, support: int) -> None:
+        self.model = model
+        self.gaits = gaits = model.gaits.names
         self.cell = cell
-        self.gaits = gaits
         self.values = values
         self.evidence_probability = probability
         self.support = support
@@ -107,3 +110,36 @@ class Posterior(NamedTuple):
     def best(self) -> str:
         """Name of the most probable gait; ties go to the first in table order."""
         return self.source.best
+
+    @property
+    def model(self) -> ForwardModel:
+        """The forward model whose tables were read backwards."""
+        return self.source.model
+
+    def explain(self, reference: str = "rival") -> pd.DataFrame:
+        """Return what each variable said: the log-odds of each gait as a sum, one row per gait.
+
+        reference: the gait that each is compared with: "rival" (the most probable of the others) or
+            the name of a gait of probability > 0.
+
+        Columns: probability; reference; prior, Distance, Angle, Heading: the parts, natural
+        logarithms of ratios (positive speaks for the gait, 0 where no heading was asked, -inf where
+        the gait was never seen there); log_odds: log P(gait | evidence) / P(reference | evidence),
+        the sum of the parts.
+
+        Raises InputError for an unknown reference, one of probability 0, or a single gait.
+        """
+        from bayeshunt.models.explain import explain
+
+        return explain(self.model, self, reference)
+
+    def __repr__(self) -> str:
+        evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())
+        best = float(self.values.max())
+        return f"<Posterior: {self.best} {best:.3f} given {evidence}; {self.support} rows>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt import tables
+from bayeshunt import displays, tables
 from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import InputError, NothingObservedError
 from bayeshunt.geometry import Polar, wrap
@@ -175,7 +175,13 @@ class PreyModel:
     __hash__ = None  # type: ignore[assignment]  # mutable
 
     def __repr__(self) -> str:
-        return f"PreyModel({self._observations} observations in {len(self._counts)} cells)"
+        return f"<PreyModel: {self._observations} transitions in {len(self._counts)} cells>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     # --- inside -------------------------------------------------------------------------------
 

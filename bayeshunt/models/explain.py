@@ -1,0 +1,76 @@
+"""What each variable said: the log-odds of a gait as a sum of prior, Distance, Angle and Heading.
+
+Naive Bayes multiplies, so its log-odds add (I. J. Good, Probability and the Weighing of Evidence, 1950):
+``log P(g|e)/P(r|e) = log P(g)/P(r) + sum_v log P(v|g)/P(v|r)``, for a gait g, its reference r and the
+bins v of the evidence e.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.axes import EFFECTS
+from bayeshunt.errors import InputError
+
+if TYPE_CHECKING:
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.posterior import Posterior
+
+#: The reference that compares each gait with the best of the others.
+RIVAL = "rival"
+#: The parts of the sum, in the order of the columns.
+PARTS = ("prior", *EFFECTS)
+
+
+def explain(model: ForwardModel, answer: Posterior, reference: str = RIVAL) -> pd.DataFrame:
+    """Return the parts of each gait's log-odds, one row per gait; see ``Posterior.explain``."""
+    gaits, values = model.gaits.names, answer.values
+    if len(gaits) < 2:
+        raise InputError("there is only one gait, so there is nothing to compare it with")
+    rivals = _rivals(values) if reference == RIVAL else np.full(len(gaits), model.gaits.index(reference))
+    if reference != RIVAL and not values[rivals[0]] > 0:
+        raise InputError(f"gait {reference!r} has probability 0 here; compare with {answer.best!r}, or with the rival")
+    parts = {name: _difference(terms, rivals) for name, terms in log_terms(model, answer).items()}
+    # Computed from the posterior itself, so that the sum of the parts can be checked against it.
+    log_odds = _difference(_log(values), rivals)
+    index = pd.Index(gaits, name="Gait")
+    columns = {"probability": values, "reference": [gaits[r] for r in rivals], **parts, "log_odds": log_odds}
+    return pd.DataFrame(columns, index=index)
+
+
+def log_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray]:
+    """Return log P(g) and log P(v | g) [G] of each part, natural logarithm; 0 for what was not asked."""
+    cell, p = answer.cell, model.probabilities
+    bins = dict(zip(EFFECTS, (cell.distance_bin, cell.angle_bin, cell.heading_bin), strict=True))
+    terms = {"prior": _log(p("Gait"))}
+    for effect, row in bins.items():
+        terms[effect] = np.zeros(len(model.gaits)) if row is None else _log(p(effect)[row])
+    return terms
+
+
+def _rivals(values: np.ndarray) -> np.ndarray:
+    """Index [G] of the most probable gait other than each gait (ties: first in table order)."""
+    best = int(np.argmax(values))
+    others = values.copy()
+    others[best] = -1.0
+    rivals = np.full(len(values), best)
+    rivals[best] = int(np.argmax(others))
+    return rivals
+
+
+def _difference(terms: np.ndarray, rivals: np.ndarray) -> np.ndarray:
+    """``terms[g] - terms[r(g)]`` [G]; 0 for a gait compared with itself.
+
+    Of the two gaits compared one has P > 0, hence finite terms: inf - inf cannot occur.
+    """
+    own = np.arange(len(terms)) == rivals
+    with np.errstate(invalid="ignore"):
+        return np.where(own, 0.0, terms - terms[rivals])
+
+
+def _log(probabilities: np.ndarray) -> np.ndarray:
+    with np.errstate(divide="ignore"):
+        return np.log(probabilities)

@@ -1,0 +1,43 @@
+"""One table of a model with everything behind its numbers: probability, count, credible interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from bayeshunt import displays
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProbabilityTable:
+    """P(variable | Gait) as it is shown: four frames of one shape, rows = bins, columns = gaits.
+
+    variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
+    probability: columns sum to 1. count: the rows behind each probability.
+    low, high: bounds of each cell's Dirichlet credible interval at ``level``.
+    prior: Dirichlet pseudo-count per cell of the probabilities.
+    """
+
+    variable: str
+    probability: pd.DataFrame
+    count: pd.DataFrame
+    low: pd.DataFrame
+    high: pd.DataFrame
+    level: float
+    prior: float
+
+    @property
+    def name(self) -> str:
+        """What the table is: "P(Distance | Gait)"."""
+        return "P(Gait)" if self.variable == "Gait" else f"P({self.variable} | Gait)"
+
+    def __repr__(self) -> str:
+        bins, columns = self.probability.shape
+        return f"<{self.name}: {bins} x {columns}, {int(self.count.to_numpy().sum())} rows>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
