@@ -8,34 +8,37 @@ One row is one executed gait and where it took the robot, in the robot's own ear
 
 from __future__ import annotations
 
-import json
 import os
 import re
-from collections.abc import Iterable
-from pathlib import Path
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt import sealed
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError
-from bayeshunt.files import replace_atomically
 from bayeshunt.gaits import GaitRepertoire
 
 #: The columns every babbling table has.
 COLUMNS = ("gait", "distance", "angle", "heading")
 #: Key of the provenance record in the Parquet file's metadata and in ``frame.attrs``.
-PROVENANCE_KEY = "bayeshunt"
+PROVENANCE_KEY = sealed.KEY.decode()
+
+_WHAT = "a babbling table"
 
 _PATH_COLUMN = re.compile(r"path_(\d+)_(forward|right|heading)$")
 
 
-def validate(frame: pd.DataFrame, gaits: Iterable[str] | None = None, *, source: str = "table") -> None:
+def validate(
+    frame: pd.DataFrame, gaits: Iterable[str] | None = None, *, source: str = "table", first_row: int = 0
+) -> None:
     """Raise DataError unless ``frame`` is a babbling table.
 
     gaits: the names that may stand in the gait column; None allows any.
     source: what the message calls the table, usually its file name.
+    first_row: what it calls the first row, for a part of a larger table.
     """
     missing = [c for c in COLUMNS if c not in frame.columns]
     if missing:
@@ -44,11 +47,13 @@ def validate(frame: pd.DataFrame, gaits: Iterable[str] | None = None, *, source:
         raise DataError(f"{source}: the table has no rows; babble at least one step")
     numeric = [*COLUMNS[1:], *path_columns(frame.columns)]
     for column in numeric:
-        _check_numbers(frame[column], column, source)
+        _check_numbers(frame[column], column, source, first_row)
     row = _first(frame["distance"].to_numpy(dtype=float) < 0)
     if row is not None:
-        raise DataError(f"{source}: row {row}: distance is {frame['distance'].iloc[row]}; expected metres >= 0")
-    _check_gaits(frame["gait"], gaits, source)
+        raise DataError(
+            f"{source}: row {first_row + row}: distance is {frame['distance'].iloc[row]}; expected metres >= 0"
+        )
+    _check_gaits(frame["gait"], gaits, source, first_row)
 
 
 def path_columns(columns: Iterable[str]) -> list[str]:
@@ -83,17 +88,17 @@ def save(frame: pd.DataFrame, path: str | os.PathLike[str], provenance: dict[str
 
     provenance: settings, seed and versions; by default ``frame.attrs["bayeshunt"]``.
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     record = provenance if provenance is not None else frame.attrs.get(PROVENANCE_KEY, {})
+    sealed.write(to_arrow(frame), record, path)
+
+
+def to_arrow(frame: pd.DataFrame) -> Any:
+    """Return a babbling table as the Arrow table that its file holds."""
+    import pyarrow as pa
+
     plain = frame.copy(deep=False)
     plain.attrs = {}
-    table = pa.Table.from_pandas(plain, preserve_index=False)
-    metadata = {PROVENANCE_KEY.encode(): json.dumps(record, sort_keys=True).encode()}
-    table = table.replace_schema_metadata(metadata)
-    with replace_atomically(path) as temporary:
-        pq.write_table(table, temporary, compression="zstd")
+    return pa.Table.from_pandas(plain, preserve_index=False).replace_schema_metadata(None)
 
 
 def load(path: str | os.PathLike[str]) -> pd.DataFrame:
@@ -101,40 +106,58 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
 
     Raises DataError if the file is missing, is not Parquet, is damaged or is not a babbling table.
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     name = os.fspath(path)
-    if not Path(path).is_file():
-        raise DataError(f"{name}: no such file; make one with: bayeshunt babble --out {name}")
-    try:
-        table = pq.read_table(path, memory_map=False, partitioning=None)
-        metadata = (table.schema.metadata or {}).get(PROVENANCE_KEY.encode(), b"{}")
-        frame = table.to_pandas()
-        provenance = json.loads(metadata)
-    except (pa.ArrowException, OSError, ValueError, KeyError) as error:
-        raise DataError(
-            f"{name}: not a readable Parquet file ({_first_line(error)}); expected one made by bayeshunt babble"
-        ) from None
+    table, record = sealed.read(path, what=_WHAT, mend=_mend(name))
+    frame = table.to_pandas()
     validate(frame, source=name)
-    frame.attrs[PROVENANCE_KEY] = provenance
+    frame.attrs[PROVENANCE_KEY] = record or {}
     return frame
 
 
-def _check_numbers(values: pd.Series, column: str, source: str) -> None:
+class Batches:
+    """A babbling table of any size, read and validated 100,000 rows at a time.
+
+    rows: number of rows in the file. provenance: its record, {} if it has none.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Open the file; raises DataError if it is missing, is not Parquet or is damaged."""
+        self._name = os.fspath(path)
+        self._reader = sealed.Reader(path, what=_WHAT, mend=_mend(self._name))
+        self.rows: int = self._reader.rows
+        self.provenance: dict[str, Any] = self._reader.record or {}
+
+    def __iter__(self) -> Iterator[pd.DataFrame]:
+        """Yield babbling tables with the file's provenance; DataError names the row of the file."""
+        first = 0
+        for table in self._reader:
+            frame = table.to_pandas()
+            validate(frame, source=self._name, first_row=first)
+            frame.attrs[PROVENANCE_KEY] = self.provenance
+            first += len(frame)
+            yield frame
+        if not first:
+            raise DataError(f"{self._name}: the table has no rows; babble at least one step")
+
+
+def _mend(name: str) -> str:
+    return f"make one with: bayeshunt babble --out {name}"
+
+
+def _check_numbers(values: pd.Series, column: str, source: str, first_row: int) -> None:
     try:
         numbers = values.to_numpy(dtype=float, na_value=np.nan)
     except (TypeError, ValueError):
         raise DataError(f"{source}: column {column!r} holds {values.dtype}; expected numbers") from None
     row = _first(~np.isfinite(numbers))
     if row is not None:
-        raise DataError(f"{source}: row {row}: {column} is {values.iloc[row]}; expected a finite number")
+        raise DataError(f"{source}: row {first_row + row}: {column} is {values.iloc[row]}; expected a finite number")
 
 
-def _check_gaits(values: pd.Series, gaits: Iterable[str] | None, source: str) -> None:
+def _check_gaits(values: pd.Series, gaits: Iterable[str] | None, source: str, first_row: int) -> None:
     row = _first(values.isna().to_numpy())
     if row is not None:
-        raise DataError(f"{source}: row {row}: gait is empty; expected a gait name")
+        raise DataError(f"{source}: row {first_row + row}: gait is empty; expected a gait name")
     if gaits is None:
         return
     known = list(gaits)
@@ -150,7 +173,3 @@ def _first(flags: np.ndarray) -> int | None:
     """Index of the first True, or None."""
     hits = np.flatnonzero(flags)
     return int(hits[0]) if hits.size else None
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0][:120]

@@ -105,7 +105,7 @@ class Reader:
             yield pa.Table.from_batches([batch]).replace_schema_metadata(None)
 
     def _reporting(self) -> _Reporting:
-        return _Reporting(f"{self._name}: not readable {self._what}", self._mend)
+        return _Reporting(f"{self._name}: cannot be read as {self._what}", self._mend)
 
 
 class _Reporting:
