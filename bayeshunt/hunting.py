@@ -19,9 +19,11 @@ from bayeshunt.episode import Episode, Step
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar, Pose
 from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Plan, Planner, Situation
+from bayeshunt.planners.base import Future, Plan, Planner, Situation
+from bayeshunt.planners.limits import KinematicLimit
 from bayeshunt.settings import load_experiment
 from bayeshunt.world.arena import Arena, Moment, Streams
+from bayeshunt.world.foresight import foresee
 
 
 class Result(NamedTuple):
@@ -81,6 +83,8 @@ def run_hunt(
 ) -> Result:  # fmt: skip
     """Run one hunt and return only how it ended: the same hunt as :func:`hunt`, without the record."""
     trial = _Trial(settings, arena, theta, seed, prey_model, None)
+    if isinstance(planner, KinematicLimit):
+        return trial.limit(planner)
     for _ in trial.decide(planner):
         pass
     return trial.result
@@ -121,6 +125,7 @@ class _Trial:
         """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
         arena, robot = self.arena, self.settings.robot
         limit, previous_gait = self.settings.protocol.time_limit, None
+        foresight = float(getattr(planner, "foresight", 0.0)) if getattr(planner, "needs_future", False) else 0.0
         previous: Moment | None = None
         transitions: tuple[Polar, ...] = ()
         while not arena.caught and arena.time < limit - 1e-9:
@@ -133,6 +138,7 @@ class _Trial:
                 body_length=robot.body.diameter, time=moment.time, step=self.decisions,
                 previous_gait=previous_gait, time_step=robot.gait_duration,
                 transitions=transitions, pose=moment.hunter,
+                future=self._future(foresight) if foresight else None,
             )  # fmt: skip
             plan = planner.plan(situation, rng=self.rng)
             yield situation, plan, moment, observed
@@ -143,6 +149,19 @@ class _Trial:
             arena.run(command, min(robot.gait_duration, limit - arena.time), self.trail)
             end = arena.hunter.pose
             self.distance += math.hypot(end.x - moment.hunter.x, end.y - moment.hunter.y)
+
+    def limit(self, bound: KinematicLimit) -> Result:
+        """Return the result of a bound that is computed from the start of the hunt instead of run."""
+        limit, speed = self.settings.protocol.time_limit, self.settings.robot.top_speed
+        time = bound.capture_time(self._future(limit), speed, self.arena.catch_distance)
+        caught = time <= limit
+        time = min(time, limit)
+        return Result(caught, time, 0, 0, speed * time)
+
+    def _future(self, duration: float) -> Future:
+        """The prey's noise-free future as the hunter sees it now."""
+        times, poses = foresee(self.arena, duration)
+        return Future(times, self.arena.hunter.pose.relative(poses))
 
     def _observe(self, previous: Moment | None, moment: Moment) -> Polar | None:
         """Learn the prey's last transition, in its own earlier frame."""

@@ -30,6 +30,37 @@ class PreyPredictor(Protocol):
         """Expected poses 0..steps ahead in the prey's present frame: Polar of arrays [steps + 1]."""
 
 
+@dataclass(frozen=True, eq=False)
+class Future:
+    """Where the prey will be: what an evaluation may tell a planner that asks for it (``needs_future``).
+
+    times: seconds from now [M], increasing from 0. prey: Polar of arrays [M], in the hunter's present frame.
+    """
+
+    times: np.ndarray
+    prey: Polar
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return metres forward and right of the prey at ``times`` [s], linear between the known poses.
+
+        After the last known pose it goes on as between the last two.
+        """
+        ahead, right = self.prey.forward, self.prey.right
+        beyond = np.maximum(np.asarray(times, dtype=float) - self.times[-1], 0.0)
+        step = self.times[-1] - self.times[-2]
+        return (
+            np.interp(times, self.times, ahead) + beyond * (ahead[-1] - ahead[-2]) / step,
+            np.interp(times, self.times, right) + beyond * (right[-1] - right[-2]) / step,
+        )
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Future):
+            return NotImplemented
+        return np.array_equal(self.times, other.times) and all(map(np.array_equal, self.prey, other.prey))
+
+    __hash__ = None  # type: ignore[assignment]  # arrays inside
+
+
 @dataclass(frozen=True)
 class Situation:
     """What the hunter knows when it decides.
@@ -43,6 +74,8 @@ class Situation:
     transitions: the prey's pose transitions observed in this hunt, oldest first, each in the prey's
         own earlier frame, one per time-step: the raw data behind ``prey_model``.
     pose: the hunter's own pose (dead reckoning) in the frame it started in, None if it does not know.
+    future: the prey's true, noise-free future; handed in by an evaluation, and only to a planner whose
+        ``needs_future`` is True (an upper bound, not a hunter).
     """
 
     prey: Polar
@@ -54,6 +87,7 @@ class Situation:
     time_step: float = 3.328
     transitions: tuple[Polar, ...] = ()
     pose: Pose | None = None
+    future: Future | None = None
 
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.prey)) or self.prey.distance < 0:

@@ -12,7 +12,10 @@ from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
 from bayeshunt.planners.best_first import PlanningSettings, planning
+from bayeshunt.planners.limits import KinematicLimit
+from bayeshunt.planners.omniscient import Omniscient
 from bayeshunt.planners.predictive import PredictionPlanner
+from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.reactive import ReactivePlanner
 
 #: Makes a planner from a forward model and settings given by name.
@@ -82,3 +85,8 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
 register_planner("reactive", ReactivePlanner)
 register_planner("prediction", PredictionPlanner)
 register_planner("planning", planning, settings=[f.name for f in dataclasses.fields(PlanningSettings)])
+register_planner("pure_pursuit", PurePursuit)
+register_planner("proportional_navigation", ProportionalNavigation)
+register_planner("constant_velocity", ConstantVelocity)
+register_planner("omniscient", Omniscient)
+register_planner("kinematic_limit", KinematicLimit)

@@ -51,6 +51,7 @@ class Arena:
     ) -> None:
         """Start a trial with both robots at rest; ``catch_distance`` is in metres."""
         self.unit = robot.body.diameter
+        self.catch_distance = catch_distance
         self.physics = physics
         self.world = new_world()
         if arena.walled:
@@ -59,8 +60,8 @@ class Arena:
         self.prey = build_drive(self.world, prey.body, prey.noise, physics, self.unit, streams.prey_noise)
         self.hunter.place(hunter_pose)
         self.prey.place(prey_pose)
-        context = Context(prey, arena, robot.body.diameter, physics.control_interval, streams.prey_control)
-        self._controller = build_prey(context)
+        self.context = Context(prey, arena, robot.body.diameter, physics.control_interval, streams.prey_control)
+        self._controller = build_prey(self.context)
         self._catch = (catch_distance / self.unit) ** 2
         self._steps = 0
         self.caught = self._within_reach()

@@ -125,6 +125,15 @@ class Drive:
         """The pose in metres and radians."""
         return Pose(self._position.x * self.unit, self._position.y * self.unit, wrap(float(self.body.angle)))
 
+    def continue_as(self, other: Drive) -> None:
+        """Take over another body's pose, velocity and actuators, as they are now."""
+        self.place(other.pose)
+        self._velocity.x, self._velocity.y = other._velocity.x, other._velocity.y
+        self.body.angularVelocity = other.body.angularVelocity
+        self.state_a, self.state_b = other.state_a, other.state_b
+        self.target_a, self.target_b, self.moving = other.target_a, other.target_b, other.moving
+        self.read_back()
+
     def place(self, pose: Pose) -> None:
         """Put the body at ``pose`` [m, rad]; velocities and actuators stay as they are."""
         self.body.transform = ((pose.x / self.unit, pose.y / self.unit), pose.theta)
