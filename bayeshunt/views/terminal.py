@@ -36,7 +36,7 @@ def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Cal
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=messages, transient=True, disable=quiet) as progress:
+    with Progress(*columns, console=messages, transient=True, disable=quiet or not messages.is_terminal) as progress:
         task = progress.add_task(label, total=total)
         yield lambda count: progress.update(task, advance=count)
 
