@@ -87,7 +87,7 @@ class InverseModel:
         """
         d, a = np.broadcast_arrays(np.asarray(distances, dtype=float), np.asarray(angles, dtype=float))
         d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
-        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and np.isfinite(a.sum() * 0.0)):
+        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and -_INF < a.min() and a.max() < _INF):
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
 
@@ -124,9 +124,7 @@ class InverseModel:
 
     def _joint(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
         """P(Gait, evidence) [..., G] of the given bins."""
-        p = self.model.probabilities
-        joint = p("Gait") * p("Distance")[distance_bins] * p("Angle")[angle_bins]
-        return joint if heading_bins is None else joint * p("Heading")[heading_bins]
+        return self.model.evidence(distance_bins, angle_bins, heading_bins)
 
     def _compile(self) -> tuple[np.ndarray, np.ndarray]:
         """Posterior [M, G] and P(evidence) [M] of every learned cell."""
