@@ -87,7 +87,7 @@ class InverseModel:
         """
         d, a = np.broadcast_arrays(np.asarray(distances, dtype=float), np.asarray(angles, dtype=float))
         d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
-        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and -_INF < a.min() and a.max() < _INF):
+        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and a.min() > -_INF and a.max() < _INF):
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import pickle
 
 import numpy as np
@@ -66,7 +67,7 @@ def test_any_split_merges_to_the_batch(rows: list[tuple], cuts: list[int]) -> No
     frame = table(rows)
     merged = JointCounts.empty(GAITS, AXES)
     edges = [0, *sorted(c for c in cuts if c < len(frame)), len(frame)]
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         if low < high:
             merged = merged.merge(JointCounts.of(frame.iloc[low:high], GAITS, AXES))
     assert merged == JointCounts.of(frame, GAITS, AXES)

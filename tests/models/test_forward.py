@@ -59,12 +59,14 @@ def test_tables_are_labelled_as_they_are_computed(model: ForwardModel) -> None:
 
 
 def test_pgmpy_learns_the_same_tables_from_the_raw_rows(frame: pd.DataFrame, model: ForwardModel) -> None:
+    from pgmpy.models import DiscreteBayesianNetwork
     from pgmpy.parameter_estimator import DiscreteMLE
 
+    edges = [("Gait", effect) for effect in EFFECTS]
     indices = dataset.discretise(frame, model.gaits, model.axes)
     states = network.state_names(model.gaits, model.axes)
     raw = pd.DataFrame({v: np.array(states[v])[indices[:, i]] for i, v in enumerate(network.VARIABLES)})
-    fitted = network.structure().fit(raw, estimator=DiscreteMLE(state_names=states))
+    fitted = DiscreteBayesianNetwork(edges).fit(raw, estimator=DiscreteMLE(state_names=states))
     for effect in EFFECTS:
         cpd = fitted.get_cpds(effect)
         assert cpd.state_names == model.network.get_cpds(effect).state_names
