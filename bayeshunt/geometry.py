@@ -21,8 +21,8 @@ _TWO_PI = 2.0 * math.pi
 def wrap(angle: Number) -> Number:
     """Return ``angle`` [rad] wrapped to (-pi, pi]; a float for a float, an array for an array."""
     if isinstance(angle, float):
-        wrapped = math.pi - (math.pi - angle) % _TWO_PI
-        return wrapped if wrapped > -math.pi else math.pi
+        one = math.pi - (math.pi - angle) % _TWO_PI
+        return one if one > -math.pi else math.pi
     values = np.asarray(angle, dtype=float)
     wrapped = np.pi - np.mod(np.pi - values, _TWO_PI)
     # The modulo of a tiny negative number rounds up to 2 pi, which would give -pi.

@@ -68,7 +68,7 @@ def fit(
         "out": str(out), "rows": len(frame), "prior": prior, "log_likelihood": model.log_likelihood(frame),
         "bins": {axis.name: axis.bins for axis in model.axes},
     }  # fmt: skip
-    bins = ", ".join(f"{k} {v}" for k, v in facts["bins"].items())
+    bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
     tell(facts, as_json, f"{out}: {len(frame)} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
 
 

@@ -38,6 +38,7 @@ def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[
     rows = []
     for (planner, arena), hunts in results.groupby(["planner", "arena"], sort=False):
         published = settings.published.get(str(planner), {}).get(str(arena))
+        theta: Any
         for theta, some in hunts.groupby("theta", sort=True):
             rows.append(_row(planner, arena, float(theta), some, None))
         rows.append(_row(planner, arena, None, hunts, published))
