@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -31,26 +31,31 @@ def hunt(
     model: Model = None,
     preset: Preset = "paper",
     config: Config = None,
+    babbling_seed: Annotated[int, typer.Option(help="Seed of the babbling where no model is given.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the episode as Parquet.")] = None,
+    replay: Annotated[Path | None, typer.Option(help="Write a page (HTML) that plays the hunt.")] = None,
     as_json: Json = False,
 ) -> None:
     """Run one hunt and show every decision.
 
-    Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --out hunt.parquet
+    Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html
     """
     from bayeshunt.hunting import hunt as run
     from bayeshunt.planners.registry import make_planner
     from bayeshunt.settings import load_experiment
 
-    if out is not None:
-        check_parent(out)
+    for path in (out, replay):
+        if path is not None:
+            check_parent(path)
     settings = load_experiment(config or preset)
     check_names(settings, [planner], [arena])
-    forward = load_or_learn(model, settings, 0)
+    forward = load_or_learn(model, settings, babbling_seed)
     mind = make_planner(planner, forward, **settings.planner.get(planner, {}))
     episode = run(settings, mind, arena=arena, theta=theta, seed=seed)
     if out is not None:
         episode.save(out)
+    if replay is not None:
+        _write_replay(episode, replay, forward, model, babbling_seed)
     if as_json:
         facts = {
             "caught": episode.caught,
@@ -58,11 +63,14 @@ def hunt(
             "decisions": len(episode.frame),
             "gaits": episode.frame["gait"].tolist(),
         }
-        typer.echo(json.dumps({**facts, "out": None if out is None else str(out)}))
+        files = {"out": out, "replay": replay}
+        typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
         return
     from bayeshunt.views import terminal
 
     terminal.episode_table(episode)
+    if replay is not None:
+        terminal.say(f"{replay}: open it in a browser to play the hunt")
 
 
 @app.command()
@@ -109,3 +117,11 @@ def evaluate(
     terminal.success_table(facts, per_theta=per_theta)
     if out is not None:
         terminal.say(f"every hunt and the summary are in {out}")
+
+
+def _write_replay(episode: Any, path: Path, forward: Any, model: Path | None, babbling_seed: int) -> None:
+    """Write the page with the command that makes it again."""
+    from bayeshunt.views.commands import model_option
+    from bayeshunt.views.replay import write_replay
+
+    write_replay(episode, path, model=forward, source=model_option(model, babbling_seed))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 from collections.abc import Iterator, Sequence
@@ -25,27 +26,31 @@ def preset_of(settings: ExperimentSettings) -> str | None:
 
 
 def hunt_command(
-    settings: ExperimentSettings, planner: str, arena: str, theta: float, seed: int, *, model: str = ""
+    settings: ExperimentSettings, planner: str, arena: str, theta: float, seed: int, *, source: Sequence[str] = ()
 ) -> str:
-    """Return the command that makes one hunt and its replay again.
-
-    model: further options, such as ``--model model.json``.
-    """
+    """Return the command that makes one hunt and its replay again; ``source`` as :func:`model_option` gives it."""
     words = ["bayeshunt", "hunt", *_experiment(settings), "--planner", planner, "--arena", arena]
-    words += ["--theta", f"{theta!r}", "--seed", str(seed), *shlex.split(model), "--replay", "hunt.html"]
+    words += ["--theta", f"{theta!r}", "--seed", str(seed), *source, "--replay", "hunt.html"]
     return shlex.join(words)
 
 
+def model_option(model: str | os.PathLike[str] | None, babbling_seed: int = 0) -> list[str]:
+    """Return the options that give ``bayeshunt hunt`` its model: a file, or the seed it is babbled with."""
+    if model is not None:
+        return ["--model", os.fspath(model)]
+    return ["--babbling-seed", str(babbling_seed)] if babbling_seed else []
+
+
 def evaluate_command(
-    settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int, *, model: str = ""
+    settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int, *, model: str | None = None
 ) -> str:
-    """Return the command that makes an evaluation again."""
+    """Return the command that makes an evaluation again; ``model`` is the path of the model file if one was used."""
     words = ["bayeshunt", "evaluate", *_experiment(settings)]
     if list(planners) != list(settings.planners):
         words += [word for name in planners for word in ("--planner", name)]
     if list(arenas) != list(settings.arenas):
         words += [word for name in arenas for word in ("--arena", name)]
-    words += ["--runs", str(settings.protocol.runs), "--seed", str(seed), *shlex.split(model), "--out", "results"]
+    words += ["--runs", str(settings.protocol.runs), "--seed", str(seed), *model_option(model), "--out", "results"]
     return shlex.join(words)
 
 

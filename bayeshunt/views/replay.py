@@ -7,6 +7,7 @@ as well as a fresh one.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from importlib.metadata import version
 from itertools import groupby
 from typing import Any
@@ -26,28 +27,29 @@ from bayeshunt.views.pages import embed, number, render
 
 
 def write_replay(
-    episode: Episode, path: str | os.PathLike[str], *, model: ForwardModel | None = None, command: str | None = None
+    episode: Episode, path: str | os.PathLike[str], *, model: ForwardModel | None = None, source: Sequence[str] = ()
 ) -> None:
     """Write the replay of ``episode`` as one HTML file, replaced atomically; see :func:`replay_html`."""
-    write_text(path, replay_html(episode, model=model, command=command))
+    write_text(path, replay_html(episode, model=model, source=source))
 
 
-def replay_html(episode: Episode, *, model: ForwardModel | None = None, command: str | None = None) -> str:
+def replay_html(episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = ()) -> str:
     """Return a self-contained page that plays ``episode``.
 
     model: where planners that keep no path (reactive, prediction) expect their gait to lead is drawn
-        from it; without it they show their aim alone. command: shown as the way to make it again.
+        from it; without it they show their aim alone.
+    source: options of the command shown at the foot, as ``commands.model_option`` gives them.
 
     Raises InputError if the hunt ended before its first decision.
     """
-    hunt = replay_data(episode, model=model, command=command)
+    hunt = replay_data(episode, model=model, source=source)
     return render(
         "replay.html.j2", ["page.css", "player.css"], ["player.js", "replay.js"],
         hunt=hunt, data=embed(hunt), version=version("bayeshunt"),
     )  # fmt: skip
 
 
-def replay_data(episode: Episode, *, model: ForwardModel | None = None, command: str | None = None) -> dict[str, Any]:
+def replay_data(episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = ()) -> dict[str, Any]:
     """Return what the player draws, as plain values for JSON.
 
     World poses are [x, y, theta] in metres and radians counter-clockwise, what the hunter sees is
@@ -71,7 +73,7 @@ def replay_data(episode: Episode, *, model: ForwardModel | None = None, command:
         "trail": _trail(episode),
         "steps": steps,
         "note": settings.note,
-        "command": command or hunt_command(settings, planner, arena, theta, seed),
+        "command": hunt_command(settings, planner, arena, theta, seed, source=source),
     }  # fmt: skip
 
 
