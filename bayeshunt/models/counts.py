@@ -20,6 +20,7 @@ from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import DataError, InputError, ZeroCountError
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.geometry import wrap
+from bayeshunt.models.cells import CountedCells
 
 #: Fixed point: units per metre, and per unit of cosine or sine.
 SCALE = 1e9
@@ -115,6 +116,11 @@ class JointCounts:
         support = self._tabulate(self.cells[:, 1] * shape[1] + self.cells[:, 2], shape)
         support.setflags(write=False)
         return support
+
+    @property
+    def table(self) -> CountedCells:
+        """The cells over (Gait, Distance, Angle, Heading), for tables of any structure."""
+        return CountedCells(("Gait", *EFFECTS), (len(self.gaits), *self.axes.shape), self.cells, self.counts)
 
     def mean_poses(self, gait: int) -> np.ndarray:
         """Return float64 [P + 1, 3] of one gait: mean forward, right [m], circular mean heading [rad].

@@ -2,6 +2,7 @@
 
 Naive Bayes network Gait -> Distance, Angle, Heading (the paper, section "Forward model"): complete
 data, known structure, uniform P(Gait), maximum-likelihood tables or a symmetric Dirichlet prior.
+Other structures can be chosen (``models.structures``); everything asked of the model stays the same.
 Letters: G gaits, K bins of a variable, P part-way poses of a gait.
 """
 
@@ -10,7 +11,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +25,9 @@ from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
 from bayeshunt.models import network, sampling
 from bayeshunt.models.counts import JointCounts
+from bayeshunt.models.effects import IndependentEffects, JointEffects, compile_effects
 from bayeshunt.models.rows import CountedRows
+from bayeshunt.models.structures import NAIVE, Structure, check_hunting, find_structure
 from bayeshunt.models.table import ProbabilityTable
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
@@ -40,6 +43,7 @@ class ForwardModel:
     gait_prior: "uniform" (the paper) or "empirical".
     provenance: where the rows came from: ``{"sources": [record of each babbling table]}``.
     data: the babbling tables counted, kept by reference for :meth:`rows`; a loaded model has none.
+    structure: the edges among Gait, Distance, Angle and Heading; the paper's by default.
     """
 
     joint: JointCounts
@@ -47,6 +51,7 @@ class ForwardModel:
     gait_prior: str = "uniform"
     provenance: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
+    structure: Structure = NAIVE
 
     def __post_init__(self) -> None:
         prior = self.prior
@@ -57,6 +62,7 @@ class ForwardModel:
         object.__setattr__(self, "prior", float(prior))
         if self.gait_prior not in GAIT_PRIORS:
             raise InputError(f"gait_prior is {self.gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
+        check_hunting(self.structure)
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -69,6 +75,7 @@ class ForwardModel:
         *,
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
+        structure: str | Structure = "naive",
     ) -> ForwardModel:
         """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
 
@@ -77,15 +84,20 @@ class ForwardModel:
         prior: Dirichlet pseudo-count per cell, >= 0.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
             to the farthest row.
+        structure: "naive" (the paper), "tan", "joint" or "learned", or a Structure. The edges of
+            "tan" and "learned" are found in the rows; later updates keep them.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait has no rows; InputError
-        for a bad prior.
+        for a bad prior or structure; ZeroCountError if the structure needs a prior.
         """
+        check_hunting(structure)
         model = cls.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
         model._check_every_gait_seen()
-        fitted = network.fit(model.joint, model.prior)
-        learned = {**model._tables, "Gait": model._empirical_gaits()}
-        network.check_equal(fitted, learned)
+        if isinstance(structure, str):
+            structure = find_structure(structure, model.joint.table)
+        model = replace(model, structure=structure)
+        fitted = network.fit(model.joint, model.prior, structure)
+        network.check_equal(fitted, {**model._effects.local, "Gait": model._empirical_gaits()})
         return model
 
     @classmethod
@@ -114,14 +126,14 @@ class ForwardModel:
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        return ForwardModel(joint, self.prior, self.gait_prior, provenance, (*self.data, rows))
+        return replace(self, joint=joint, provenance=provenance, data=(*self.data, rows))
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the babbling table that it counted, which a model file does not hold.
 
         Raises DataError unless ``frame`` holds the very rows: same number, same cells.
         """
-        model = ForwardModel(self.joint, self.prior, self.gait_prior, self.provenance, (frame,))
+        model = replace(self, data=(frame,))
         model._counted_rows  # noqa: B018  # checks the rows now, where the caller can see which table is wrong
         return model
 
@@ -140,6 +152,8 @@ class ForwardModel:
     def probabilities(self, variable: str) -> np.ndarray:
         """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".
 
+        In other structures than the paper's, other parents are summed over; see :attr:`local_tables`.
+
         Raises ZeroCountError if a gait has neither rows nor prior, InputError for another variable.
         """
         self._check_variable(variable)
@@ -148,6 +162,16 @@ class ForwardModel:
     def cpt(self, variable: str) -> pd.DataFrame:
         """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""
         return self._labelled(variable, self.probabilities(variable), "probability")
+
+    @property
+    def local_tables(self) -> dict[str, np.ndarray]:
+        """The network's own tables: "Gait" [G] and P(effect | parents) [K, ...parents] of each effect.
+
+        Parents are in alphabetical order (``structure.parents``). In the paper's structure these are
+        the tables of :meth:`probabilities`. Otherwise, with prior 0, a column whose parents were
+        never seen together is 0 throughout: it cannot be reached.
+        """
+        return {"Gait": self._tables["Gait"], **self._effects.local}
 
     def counts(self, variable: str) -> pd.DataFrame:
         """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count")."""
@@ -189,7 +213,7 @@ class ForwardModel:
     @cached_property
     def network(self) -> Any:
         """The model as a pgmpy DiscreteBayesianNetwork; states are gait names and bin labels."""
-        return network.build(self._tables, network.state_names(self.gaits, self.axes))
+        return network.build(self.local_tables, network.state_names(self.gaits, self.axes), self.structure)
 
     @cached_property
     def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
@@ -217,15 +241,15 @@ class ForwardModel:
         return Polar.from_cartesian(forward, right, heading)
 
     def sample(self, gait: Gait | str, n: int, *, rng: np.random.Generator) -> Polar:
-        """Return ``n`` outcomes of ``gait`` drawn from its three CPT columns: Polar of arrays [n].
+        """Return ``n`` outcomes of ``gait`` drawn from the network: Polar of arrays [n].
 
-        Distance, angle and heading are independent given the gait (the network says so), uniform
-        within each bin.
+        In the paper's structure distance, angle and heading are drawn from their own CPT columns,
+        independently; in any structure they are uniform within each bin.
         """
         index = self.gaits.index(gait)
         if n < 0:
             raise InputError(f"n is {n}; expected a number of samples >= 0")
-        return sampling.draw(self.axes, self._cumulative[index], rng.random((int(n), sampling.UNIFORMS)))
+        return self._effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
 
     def outcomes(self, uniforms: np.ndarray) -> Polar:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
@@ -235,7 +259,7 @@ class ForwardModel:
         common random numbers. A bin of probability 0 is never chosen.
         """
         draws = sampling.check_uniforms(uniforms)
-        poses = [sampling.draw(self.axes, columns, draws) for columns in self._cumulative]
+        poses = [self._effects.draw(self.axes, gait, draws) for gait in range(len(self.gaits))]
         return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
 
     def log_likelihood(self, frame: pd.DataFrame) -> float:
@@ -248,12 +272,13 @@ class ForwardModel:
         seen = JointCounts.of(frame, self.gaits, self.axes)
         if seen.axes.distance.bins > self.axes.distance.bins:
             return -math.inf
-        gait = seen.cells[:, 0]
         with np.errstate(divide="ignore"):
-            logs = np.log(self._tables["Gait"][gait])
-            for column, effect in enumerate(EFFECTS, start=1):
-                logs = logs + np.log(self._tables[effect][seen.cells[:, column], gait])
+            logs = np.log(self._tables["Gait"][seen.cells[:, 0]]) + self._effects.log_probability(seen.cells)
         return float(np.sum(seen.counts * logs))
+
+    def evidence(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
+        """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle and Heading."""
+        return self._effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
 
     # --- storing ------------------------------------------------------------------------------
 
@@ -290,21 +315,21 @@ class ForwardModel:
         """Equal counts, prior and gait prior, hence equal tables; provenance may differ."""
         if not isinstance(other, ForwardModel):
             return NotImplemented
-        same_prior = (self.prior, self.gait_prior) == (other.prior, other.gait_prior)
-        return same_prior and self.joint == other.joint
+        mine, theirs = ((m.prior, m.gait_prior, m.structure) for m in (self, other))
+        return mine == theirs and self.joint == other.joint
 
     def __hash__(self) -> int:
-        return hash((self.joint, self.prior, self.gait_prior))
+        return hash((self.joint, self.prior, self.gait_prior, self.structure))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Only what defines the model: a worker process must not have to import pgmpy to receive it.
-        return ForwardModel, (self.joint, self.prior, self.gait_prior, self.provenance)
+        return ForwardModel, (self.joint, self.prior, self.gait_prior, self.provenance, (), self.structure)
 
     # --- inside -------------------------------------------------------------------------------
 
     @cached_property
     def _tables(self) -> dict[str, np.ndarray]:
-        derived = {e: tables.normalise(self.joint.marginal(e), self.prior, name=e) for e in EFFECTS}
+        derived = {effect: self._effects.marginal(effect) for effect in EFFECTS}
         count = len(self.gaits)
         uniform = np.full(count, 1.0 / count)
         derived["Gait"] = uniform if self.gait_prior == "uniform" else self._empirical_gaits()
@@ -336,6 +361,5 @@ class ForwardModel:
         return CountedRows(self, self.data)
 
     @cached_property
-    def _cumulative(self) -> list[tuple[np.ndarray, ...]]:
-        """Per gait, the CDF [K] of Distance, of Angle and of Heading."""
-        return list(zip(*(sampling.cumulative(self._tables[effect]) for effect in EFFECTS), strict=True))
+    def _effects(self) -> IndependentEffects | JointEffects:
+        return compile_effects(self.structure, self.joint, self.prior)

@@ -14,6 +14,7 @@ from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import BayesHuntError
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.models.counts import JointCounts
+from bayeshunt.models.structures import NAIVE, Structure
 
 #: The variables of the network, parent first.
 VARIABLES = ("Gait", *EFFECTS)
@@ -26,30 +27,37 @@ def state_names(gaits: GaitRepertoire, axes: EffectAxes) -> dict[str, list[str]]
     return {"Gait": list(gaits.names), **{axis.name: list(axis.labels) for axis in axes}}
 
 
-def structure() -> Any:
-    """Return the network without tables (a pgmpy DiscreteBayesianNetwork)."""
-    from pgmpy.models import DiscreteBayesianNetwork
+def build(tables: dict[str, np.ndarray], states: dict[str, list[str]], edges: Structure = NAIVE) -> Any:
+    """Return the pgmpy network that holds ``tables``: "Gait" [G], each effect [K, ...parents].
 
-    return DiscreteBayesianNetwork([("Gait", effect) for effect in EFFECTS])
-
-
-def build(tables: dict[str, np.ndarray], states: dict[str, list[str]]) -> Any:
-    """Return the pgmpy network that holds ``tables``: "Gait" [G], each effect [K, G]."""
+    pgmpy wants every column to sum to 1: a column of zeros (parents never seen together, so that it
+    cannot be reached) is handed over as a uniform one, as pgmpy's own estimator does.
+    """
     from pgmpy.factors.discrete import TabularCPD
 
-    network = structure()
+    network = structure(edges)
     network.add_cpds(TabularCPD("Gait", len(states["Gait"]), tables["Gait"][:, None], state_names=states))
     for effect in EFFECTS:
-        names = {v: states[v] for v in (effect, "Gait")}
-        table = TabularCPD(
-            effect, len(states[effect]), tables[effect], ["Gait"], [len(states["Gait"])], state_names=names
-        )
-        network.add_cpds(table)
+        parents = edges.parents(effect)
+        names = {v: states[v] for v in (effect, *parents)}
+        values = tables[effect].reshape(len(states[effect]), -1)
+        filled = np.where(values.any(axis=0), values, 1.0 / len(values))
+        cards = [len(states[p]) for p in parents]
+        network.add_cpds(TabularCPD(effect, len(values), filled, list(parents), cards, state_names=names))
     network.check_model()
     return network
 
 
-def fit(joint: JointCounts, prior: float) -> Any:
+def structure(edges: Structure = NAIVE) -> Any:
+    """Return the network without tables (a pgmpy DiscreteBayesianNetwork)."""
+    from pgmpy.models import DiscreteBayesianNetwork
+
+    network = DiscreteBayesianNetwork(list(edges.edges))
+    network.add_nodes_from(VARIABLES)
+    return network
+
+
+def fit(joint: JointCounts, prior: float, edges: Structure = NAIVE) -> Any:
     """Return the network as pgmpy's own estimators fit it to the counted cells.
 
     Every cell is one row weighted by its count, which is all that the estimators use of the rows.
@@ -69,18 +77,22 @@ def fit(joint: JointCounts, prior: float) -> Any:
             for column, name in enumerate(VARIABLES)
         }
     )
-    return structure().fit(rows, estimator=estimator, sample_weight=joint.counts)
+    return structure(edges).fit(rows, estimator=estimator, sample_weight=joint.counts)
 
 
 def tables_of(network: Any) -> dict[str, np.ndarray]:
-    """Return the CPT values of a pgmpy network: "Gait" [G], each effect [K, G]."""
+    """Return the CPT values of a pgmpy network: "Gait" [G], each effect [K, columns]."""
     values = {name: np.asarray(network.get_cpds(name).get_values()) for name in VARIABLES}
     return {**values, "Gait": values["Gait"][:, 0]}
 
 
 def check_equal(network: Any, tables: dict[str, np.ndarray]) -> None:
-    """Raise BayesHuntError if pgmpy's tables differ from ``tables`` anywhere by more than 1e-12."""
+    """Raise BayesHuntError if pgmpy's tables differ from ``tables`` anywhere by more than 1e-12.
+
+    Columns of zeros in ``tables`` are left out: nothing was counted there, so there is nothing to compare.
+    """
     for name, theirs in tables_of(network).items():
-        ours = tables[name]
-        if theirs.shape != ours.shape or np.abs(theirs - ours).max() > TOLERANCE:
+        ours = tables[name].reshape(theirs.shape)
+        known = ours.any(axis=0)
+        if np.abs(theirs - ours)[..., known].max(initial=0.0) > TOLERANCE:
             raise BayesHuntError(f"pgmpy and the counts disagree on the table of {name}; this is a bug")

@@ -21,11 +21,14 @@ from bayeshunt.files import replace_atomically
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models.counts import MAX_DISTANCE_BINS, JointCounts
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.structures import NAIVE, Structure
 
 #: What the file says it is.
 KIND = "bayeshunt forward model"
 #: Version of the layout of ``content``.
-FORMAT = 1
+FORMAT = 2
+#: Layouts that can be read: format 1 had no "structure" and held the paper's.
+READABLE = (1, 2)
 
 
 def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
@@ -77,13 +80,13 @@ def loads(text: str, name: str = "model") -> ForwardModel:
     version = record.get("format")
     if isinstance(version, int) and version > FORMAT:
         raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")
-    if version != FORMAT:
-        raise ModelFileError(f"{name}: format is {version!r}; expected {FORMAT}")
+    if isinstance(version, bool) or version not in READABLE:
+        raise ModelFileError(f"{name}: format is {version!r}; expected {' or '.join(map(str, READABLE))}")
     content = record.get("content")
     if record.get("checksum") != _checksum(content):
         raise ModelFileError(f"{name}: checksum does not match: the file was edited or damaged; fit it again")
     try:
-        return _model(content)
+        return _model(content, NAIVE if version == 1 else _structure(content["structure"]))
     except (KeyError, TypeError, ValueError, OverflowError, BayesHuntError) as error:
         reason = (str(error).splitlines() or [""])[0]
         raise ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason})") from None
@@ -105,6 +108,7 @@ def _content(model: ForwardModel) -> dict[str, Any]:
         "pose_sums": joint.sums.tolist(),
         "prior": model.prior,
         "provenance": _plain(dict(model.provenance)),
+        "structure": {"name": model.structure.name, "edges": [list(edge) for edge in model.structure.edges]},
     }
 
 
@@ -137,7 +141,7 @@ def _checksum(content: Any) -> str:
 # --- plain numbers as a model ----------------------------------------------------------------------
 
 
-def _model(content: Any) -> ForwardModel:
+def _model(content: Any, structure: Structure) -> ForwardModel:
     gaits = GaitRepertoire(
         tuple(Gait(str(g["name"]), tuple(float(v) for v in g["command"])) for g in content["gaits"]),
         body_length=float(content["body_length"]),
@@ -150,7 +154,12 @@ def _model(content: Any) -> ForwardModel:
     if sums.shape[0] != len(gaits) or sums.shape[2] != 4:
         raise ValueError(f"pose_sums has shape {sums.shape}")
     joint = JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
-    return ForwardModel(joint, content["prior"], content["gait_prior"], dict(content["provenance"]))
+    provenance = dict(content["provenance"])
+    return ForwardModel(joint, content["prior"], content["gait_prior"], provenance, structure=structure)
+
+
+def _structure(record: dict[str, Any]) -> Structure:
+    return Structure(record["name"], tuple((parent, child) for parent, child in record["edges"]))
 
 
 def _axis(name: str, record: dict[str, Any]) -> Axis:

@@ -43,8 +43,8 @@ def write(model: ForwardModel, path: str | os.PathLike[str]) -> None:
     from pgmpy.readwrite import XMLBIFWriter
 
     labels = safe_labels(model)
-    tables = {variable: model.probabilities(variable) for variable in network.VARIABLES}
-    safe = network.build(tables, {variable: list(names) for variable, names in labels.items()})
+    states = {variable: list(names) for variable, names in labels.items()}
+    safe = network.build(model.local_tables, states, model.structure)
     text = str(XMLBIFWriter(safe))
     write_text(labels_path(path), json.dumps(labels, indent=1) + "\n")
     write_text(path, text)

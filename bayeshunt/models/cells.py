@@ -1,0 +1,86 @@
+"""Counted cells of several discrete variables: what every table of a Bayesian network is made of.
+
+Letters: V variables, K counted cells, N rows, S states of one variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Tables larger than this (128 MB of probabilities) are refused rather than allocated.
+MAX_TABLE_CELLS = 1 << 24
+
+
+@dataclass(frozen=True, eq=False)
+class CountedCells:
+    """How often each combination of states was seen.
+
+    names: the variables. sizes: number of states of each.
+    cells: int64 [K, V], state indices. counts: int64 [K], rows seen in each cell.
+    """
+
+    names: tuple[str, ...]
+    sizes: tuple[int, ...]
+    cells: np.ndarray
+    counts: np.ndarray
+
+    @classmethod
+    def of_rows(cls, names: Sequence[str], sizes: Sequence[int], rows: np.ndarray) -> CountedCells:
+        """Count the rows [N, V] of state indices."""
+        cells, counts = np.unique(rows, axis=0, return_counts=True)
+        return cls(tuple(names), tuple(int(s) for s in sizes), cells, counts)
+
+    @property
+    def total(self) -> int:
+        """Number of rows counted, N."""
+        return int(self.counts.sum())
+
+    def size(self, name: str) -> int:
+        """Number of states of a variable."""
+        return self.sizes[self.names.index(name)]
+
+    def indices(self, names: Sequence[str]) -> tuple[np.ndarray, ...]:
+        """State indices [K] of the variables asked for: they index a table over those variables."""
+        return tuple(self.cells[:, self.names.index(name)] for name in names)
+
+    def tabulate(self, names: Sequence[str]) -> np.ndarray:
+        """Return int64 counts over ``names``, one axis per variable; no name gives the total."""
+        table = np.zeros([self.size(name) for name in names], dtype=np.int64)
+        np.add.at(table, self.indices(names), self.counts)
+        return table
+
+
+def conditional(counts: np.ndarray, prior: float) -> np.ndarray:
+    """Return P(child | parents), child axis first, of ``counts`` [S, ...parents].
+
+    ``P[s, u] = (N[s, u] + a) / (N[u] + S a)`` with ``a = prior`` per cell. With ``a = 0`` a column
+    whose parents were never seen together holds zeros: nothing is known there, and nothing is claimed.
+    """
+    weights = counts + float(prior)
+    totals = weights.sum(axis=0, keepdims=True)
+    return np.divide(weights, totals, out=np.zeros_like(weights), where=totals > 0)
+
+
+def log_likelihood(counts: np.ndarray) -> float:
+    """Return the maximised log-likelihood [nat] of ``counts`` [S, ...parents]: sum of N log(N / N_parents)."""
+    totals = np.broadcast_to(counts.sum(axis=0, keepdims=True), counts.shape)
+    seen = counts > 0
+    return float(np.sum(counts[seen] * np.log(counts[seen] / totals[seen])))
+
+
+def parameters(counts: np.ndarray) -> int:
+    """Number of free probabilities of a table [S, ...parents]: (S - 1) for each combination of parents."""
+    return (counts.shape[0] - 1) * int(np.prod(counts.shape[1:]))
+
+
+def mutual_information(counts: np.ndarray) -> float:
+    """Return I(X; Y | Z) [nat] of the empirical distribution in ``counts`` [X, Y, Z]."""
+    x = counts.sum(axis=1, keepdims=True)
+    y = counts.sum(axis=0, keepdims=True)
+    z = x.sum(axis=0, keepdims=True)
+    seen = counts > 0
+    ratio = (counts * z)[seen] / (x * y)[seen]
+    return float(np.sum(counts[seen] * np.log(ratio)) / counts.sum())
