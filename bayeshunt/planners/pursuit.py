@@ -17,7 +17,7 @@ from bayeshunt.planners.steering import Steering, intercept_time, prey_track
 
 
 class PurePursuit:
-    """Drive at where the prey is now: the gait that ends nearest the point one step's reach towards it.
+    """Drive at where the prey is now: the gait whose mean end is nearest to it.
 
     ``rng`` is not used.
     """
@@ -38,9 +38,9 @@ class ProportionalNavigation:
 
     ``turn = N lambda' D``: navigation constant N, line-of-sight rate lambda' [rad/s], time-step D, where
     ``lambda' = (r x v) / |r|^2`` from the prey's position r and velocity v relative to the hunter at its
-    top speed. Among the gaits of at least ``least_speed`` of the longest reach, the one whose mean
-    turn is nearest is executed. The law assumes a prey ahead that comes closer: while it is more than
-    a right angle off, or before its velocity has been seen, the hunter pursues it instead.
+    top speed. The gait whose mean turn is nearest is executed, a slow one only if there is no fast one.
+    The law assumes a prey ahead that comes closer: while it is more than a right angle off, or before
+    its velocity has been seen, the hunter pursues it instead.
     Reference: P. Zarchan, Tactical and Strategic Missile Guidance, chapter 2. ``rng`` is not used.
     """
 
@@ -87,14 +87,14 @@ class ConstantVelocity:
     State (position, velocity) in the plane, position observed once per time-step, white acceleration
     noise of density ``acceleration`` [m/s2] and position noise ``position`` [m]; pykalman filters the
     whole track at every decision, as a planner keeps no state. The hunter aims at the point where a
-    straight drive at top speed meets the prey, or at the prey one step ahead if it gets away. Before
+    straight drive at top speed meets the prey, at the earliest the end of the step. Before
     anything is seen the prey's velocity has mean 0 and standard deviation the hunter's own top speed.
     ``rng`` is not used.
     """
 
     name = "constant_velocity"
 
-    def __init__(self, model: ForwardModel, *, acceleration: float = 0.01, position: float = 0.002) -> None:
+    def __init__(self, model: ForwardModel, *, acceleration: float = 0.003, position: float = 0.002) -> None:
         for name, value in (("acceleration", acceleration), ("position", position)):
             if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 < value < math.inf):
                 raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
@@ -110,8 +110,8 @@ class ConstantVelocity:
         ahead, right, v_ahead, v_right = self._estimate(situation)
         reach = situation.body_length
         time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)
-        if not math.isfinite(time):
-            time = situation.time_step
+        # a gait is held for a whole step, so a point that is passed before the step ends is no aim
+        time = max(time, situation.time_step) if math.isfinite(time) else situation.time_step
         return self.steering.towards(ahead + v_ahead * time, right + v_right * time, prey_known=True)
 
     def _estimate(self, situation: Situation) -> tuple[float, float, float, float]:

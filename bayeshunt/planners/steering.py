@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from bayeshunt.geometry import Polar, wrap
+from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Plan, Situation
 
@@ -28,16 +28,9 @@ class Steering:
         self.reach = float(np.hypot(self.forward, self.right).max())
         self.top_speed = self.reach / model.gaits.duration
 
-    def carrot(self, forward: float, right: float) -> tuple[float, float]:
-        """Return the point on the way to (forward, right) [m] that one time-step can reach, the point itself if near."""
-        distance = math.hypot(forward, right)
-        share = min(1.0, self.reach / distance) if distance > 0 else 0.0
-        return share * forward, share * right
-
     def towards(self, forward: float, right: float, *, prey_known: bool = False) -> Plan:
-        """Return the plan to execute the gait that ends nearest the carrot of a point [m]; a tie goes to the first."""
-        ahead, across = self.carrot(forward, right)
-        miss = np.hypot(self.forward - ahead, self.right - across)
+        """Return the plan to execute the gait whose mean end is nearest to a point [m]; a tie goes to the first."""
+        miss = np.hypot(self.forward - forward, self.right - right)
         target = Polar.from_cartesian(forward, right, 0.0)
         return self.plan(miss, "distance from the gait's mean end to the point aimed at [m]", target, prey_known)
 
@@ -106,7 +99,3 @@ def intercept_time(ahead: float, right: float, v_ahead: float, v_right: float, s
     times = sorted(((-b - math.sqrt(root)) / a, (-b + math.sqrt(root)) / a))
     return next((t for t in times if t >= 0 and speed * t + reach >= 0), math.inf)
 
-
-def bearing(forward: float, right: float) -> float:
-    """Return the bearing of a point [m], radians clockwise."""
-    return float(wrap(math.atan2(right, forward)))
