@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt import displays
 from bayeshunt.errors import DataError
 from bayeshunt.files import replace_atomically
 from bayeshunt.geometry import Polar
@@ -110,7 +111,7 @@ def _prey_table(prey_model: Any) -> list[list[float]]:
     ]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Episode:
     """One hunt.
 
@@ -132,8 +133,8 @@ class Episode:
     frame: pd.DataFrame
     trail: pd.DataFrame
     provenance: dict[str, Any]
-    plans: tuple[Plan, ...] = field(default=(), repr=False)
-    situations: tuple[Situation, ...] = field(default=(), repr=False)
+    plans: tuple[Plan, ...] = ()
+    situations: tuple[Situation, ...] = ()
 
     @classmethod
     def assemble(
@@ -154,6 +155,16 @@ class Episode:
         }
         plans, situations = tuple(s.plan for s in steps), tuple(s.situation for s in steps)
         return cls(bool(result.caught), float(result.time), frame, path, provenance, plans, situations)
+
+    def __repr__(self) -> str:
+        ending = f"caught after {self.time:.2f} s" if self.caught else f"not caught in {self.time:g} s"
+        return f"<Episode: {ending}, {len(self.frame)} decisions>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table, the trail and the provenance as one Parquet file, replaced atomically."""

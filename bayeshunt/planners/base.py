@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt import displays
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar, Pose
 
@@ -96,7 +97,7 @@ class Situation:
             raise InputError(f"body_length must be positive metres, got {self.body_length}")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """A decision and the reasons for it.
 
@@ -117,14 +118,14 @@ class Plan:
     value: float
     objective: str
     nodes: int
-    make_trace: Callable[[], pd.DataFrame] = field(repr=False)
+    make_trace: Callable[[], pd.DataFrame]
     expansions: int = 0
     target: Polar | None = None
     evidence_probability: float | None = None
     support: int | None = None
-    posterior: np.ndarray | None = field(default=None, repr=False)
+    posterior: np.ndarray | None = None
     prey_known: bool = False
-    predicted_prey: Polar | None = field(default=None, repr=False)
+    predicted_prey: Polar | None = None
 
     @cached_property
     def trace(self) -> pd.DataFrame:
@@ -136,6 +137,15 @@ class Plan:
         state = {name: value for name, value in self.__dict__.items() if name != "trace"}
         state["make_trace"] = partial(_given, self.trace)
         return state
+
+    def __repr__(self) -> str:
+        return f"<Plan: {self.gait} ({len(self.gaits)} steps), value {self.value:.4g}, {self.nodes} nodes>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
 
 @runtime_checkable

@@ -1,0 +1,106 @@
+"""Displays of the forward model, the inverse model and its answers."""
+
+from __future__ import annotations
+
+import math
+
+from bayeshunt.axes import EFFECTS
+from bayeshunt.errors import ZeroCountError
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.inverse import InverseModel
+from bayeshunt.models.posterior import Posterior
+from bayeshunt.views import svg_map, svg_network
+from bayeshunt.views.display_html import Html, card, facts, fold, join, number, row, table, tag
+from bayeshunt.views.display_tables import folded_tables
+
+#: What the columns of an explanation are compared with.
+_EXPLAINED = (
+    "How each variable speaks for or against a gait: natural logarithm of its probability under this gait "
+    "over that under the reference. The parts add up to the log-odds; −∞: never seen."
+)
+
+
+def forward_model(model: ForwardModel) -> Html:
+    """Return the network with its marginals, and every table."""
+    title = "Forward model: Gait → Distance, Angle, Heading"
+    sources = len(model.provenance.get("sources", []))
+    pairs = [
+        ("gaits", len(model.gaits)),
+        ("babbling rows", model.joint.total),
+        ("bins", ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)),
+        ("prior", f"{number(model.prior)} per cell" if model.prior else "none (maximum likelihood)"),
+        ("P(Gait)", model.gait_prior),
+        ("one gait lasts", f"{model.gaits.duration:g} s"),
+    ]
+    subtitle = (
+        f"learned from {sources} babbling table{'s' if sources != 1 else ''}" if sources else "naive Bayes network"
+    )
+    try:
+        drawn = svg_network.network(model)
+        tables = folded_tables([model.table(variable) for variable in (*EFFECTS, "Gait")])
+    except ZeroCountError as error:
+        return card(title, subtitle, facts(pairs), tag("div", f"Nothing to show yet: {error}."))
+    return card(title, subtitle, facts(pairs), drawn, tables)
+
+
+def inverse_model(inverse: InverseModel) -> Html:
+    """Return the map of learned coordinates, each in the colour of its most probable gait."""
+    names = inverse.model.gaits.names
+    subtitle = f"{len(inverse.table())} learned coordinates; colour: the most probable gait there"
+    drawn = tag("div", svg_map.inverse_map(inverse), svg_map.gait_key(names), class_="bh-two")
+    return card("Inverse model: P(Gait | Distance, Angle)", subtitle, drawn)
+
+
+def posterior(answer: Posterior) -> Html:
+    """Return an answer as bars, with P(evidence), support, the learned coordinate and the explanation."""
+    title = f"P(Gait | {', '.join(answer.evidence)})"
+    parts = [posterior_facts(answer), bars(dict(zip(answer.source.gaits, answer.values, strict=True)), answer.best)]
+    if len(answer.source.gaits) > 1:
+        parts.append(fold("What each variable said", explanation(answer), tag("div", _EXPLAINED, class_="bh-note")))
+    cell = answer.cell
+    bins = dict(zip(EFFECTS, (cell.distance_bin, cell.angle_bin, cell.heading_bin), strict=True))
+    observed = {name: index for name, index in bins.items() if index is not None}
+    parts.append(fold("The network given this evidence", svg_network.network(answer.model, answer.values, observed)))
+    return card(title, f"most probable: {answer.best}", *parts)
+
+
+def posterior_facts(answer: Posterior) -> Html:
+    """Return what an answer rests on."""
+    asked = f"{answer.distance * 1000:.1f} mm, {math.degrees(answer.angle):.1f}°"
+    if answer.heading is not None:
+        asked += f", heading {math.degrees(answer.heading):.1f}°"
+    used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
+    nearest = " (nearest; the target itself was never babbled)" if answer.snapped else ""
+    return facts(
+        [
+            ("asked", asked),
+            ("learned coordinate used", used + nearest),
+            ("P(evidence)", number(answer.evidence_probability, 4)),
+            ("support", f"{answer.support} babbling rows"),
+        ]
+    )
+
+
+def bars(shares: dict[str, float], lit: str | None = None) -> Html:
+    """Return probabilities by name as a bar chart; ``lit`` stands out."""
+    top = max([*shares.values(), 1e-300])
+    rows = []
+    for name, share in shares.items():
+        bar = tag("td", tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%"), class_="bh-track")
+        rows.append(row(name, [bar, f"{share:.4f}"], lit=name == lit))
+    return table(["Gait", "", "probability"], rows)
+
+
+def explanation(answer: Posterior) -> Html:
+    """Return ``answer.explain()`` as a table."""
+    frame = answer.explain()
+    parts = [c for c in ("prior", *EFFECTS) if c != "Heading" or answer.heading is not None]
+    rows = [
+        row(
+            gait,
+            [facts_["reference"], *(number(facts_[c]) for c in parts), number(facts_["log_odds"])],
+            lit=gait == answer.best,
+        )
+        for gait, facts_ in zip(frame.index, frame.to_dict("records"), strict=True)
+    ]
+    return join([table(["Gait", "compared with", *parts, "log-odds"], rows)])

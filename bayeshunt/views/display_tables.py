@@ -1,0 +1,127 @@
+"""Probability tables as heat maps: the count and the interval of every cell at hand, long tables readable."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from bayeshunt.errors import NothingObservedError
+from bayeshunt.models.prey import PreyModel
+from bayeshunt.models.table import ProbabilityTable
+from bayeshunt.views import svg, svg_map
+from bayeshunt.views.display_html import Html, card, facts, fold, join, number, probability, row, table, tag
+
+#: Above this many rows the bins that no row fell into are left out, and above twice it the rest is cut.
+MOST_ROWS = 200
+
+
+def probability_table(shown: ProbabilityTable) -> Html:
+    """Return a table as a display of its own."""
+    bins, columns = shown.probability.shape
+    prior = f"prior {number(shown.prior)}" if shown.prior else "maximum likelihood (no prior)"
+    subtitle = f"{bins} x {columns}, {int(shown.count.to_numpy().sum())} rows, {prior}"
+    return card(shown.name, subtitle, heat_table(shown))
+
+
+def heat_table(shown: ProbabilityTable) -> Html:
+    """Return the heat table of one CPT, with a switch between probabilities and counts."""
+    arrays = [part.to_numpy() for part in (shown.probability, shown.count, shown.low, shown.high)]
+    kept = _rows_to_show(arrays[1])
+    labels, columns = list(shown.probability.index), list(shown.probability.columns)
+    totals = arrays[1].sum(axis=0)
+    top = max(float(arrays[0].max()), 1e-300)
+    rows = []
+    for i in kept:
+        cells = [
+            _cell(shown, (labels[i], columns[j]), *(a[i, j] for a in arrays), totals[j], top)
+            for j in range(len(columns))
+        ]
+        rows.append(row(labels[i], cells))
+    switch = tag("label", tag("input", type="checkbox"), "show counts", class_="bh-switch")
+    left_out = len(labels) - len(kept)
+    note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
+    body = tag("div", table([shown.variable, *columns], rows, class_="bh-heat"), class_="bh-readout")
+    return tag("div", switch, body, note, class_="bh-table")
+
+
+def _cell(
+    shown: ProbabilityTable, place: tuple[str, str], p: float, n: int, low: float, high: float, total: int, top: float
+) -> Html:
+    given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
+    column = f" | {place[1]}" if shown.variable != "Gait" else ""
+    percent = f"{100 * shown.level:g} %"
+    hint = f"P({given}{column}) = {p:.4f}, {percent} interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
+    shade = math.sqrt(p / top)
+    zero = "bh-zero" if p == 0 else None
+    content = [tag("span", probability(p), class_="bh-p"), tag("span", int(n) or "·", class_="bh-n")]
+    return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
+
+
+def _rows_to_show(counts: np.ndarray) -> list[int]:
+    """All rows of a readable table; of a longer one those with a count, at most twice as many."""
+    if len(counts) <= MOST_ROWS:
+        return list(range(len(counts)))
+    return np.flatnonzero(counts.any(axis=1))[: 2 * MOST_ROWS].tolist()
+
+
+def prey_model(prey: PreyModel) -> Html:
+    """Return the prey table: each transition seen, how often, and where it leads."""
+    title = "Prey model: P(Distance, Angle, Heading)"
+    subtitle = f"{prey.observations} transitions, in the prey's own frame one time-step earlier"
+    if prey.is_empty:
+        return card(title, subtitle, tag("div", "Nothing observed yet, so nothing can be predicted."))
+    return card(title, subtitle, expected(prey), tag("div", prey_map(prey), prey_table(prey), class_="bh-two"))
+
+
+def expected(prey: PreyModel) -> Html | None:
+    """Return the mean transition in words; None if the headings seen leave no mean."""
+    try:
+        mean = prey.predict(1)
+    except NothingObservedError:
+        return None
+    return facts(
+        [
+            ("expected next distance", f"{mean.distance * 1000:.1f} mm"),
+            ("expected angle", f"{math.degrees(mean.angle):.1f}° clockwise"),
+            ("expected heading", f"{math.degrees(mean.heading):.1f}° clockwise"),
+        ]
+    )
+
+
+def prey_table(prey: PreyModel) -> Html:
+    """Return the cells seen, the most frequent first."""
+    frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
+    rows = []
+    for labels, p, n, low, high in zip(
+        frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
+    ):
+        cells = [*labels[1:], f"{p:.3f}", n, f"{low:.3f} to {high:.3f}"]
+        rows.append(row(labels[0], cells))
+        if len(rows) == MOST_ROWS:
+            break
+    shown = table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows)
+    rest = len(frame) - len(rows)
+    return join([shown, tag("div", f"and {rest} rarer cells", class_="bh-note") if rest else None])
+
+
+def prey_map(prey: PreyModel) -> Html:
+    """Return where the prey's steps led, as arrows in its own earlier frame (heading up)."""
+    cells = np.array(prey.to_dict()["counts"])[:, :3]
+    weights = np.array(prey.to_dict()["counts"])[:, 3]
+    axes = prey.axes
+    reach = (cells[:, 0] + 0.5) * axes.distance.width
+    angles, headings = axes.angle.centres[cells[:, 1]], axes.heading.centres[cells[:, 2]]
+    right, ahead = reach * np.sin(angles), reach * np.cos(angles)
+    window = svg_map.Window.around([0.0, *right], [0.0, *ahead], size=240, least=float(reach.max()))
+    parts = [window.robot(0, 0, math.pi / 2, svg.FAINT, "the prey one time-step earlier", 9)]
+    for i in np.argsort(weights, kind="stable")[-400:]:
+        size = 4 + 8 * math.sqrt(weights[i] / weights.max())
+        hint = f"{weights[i]} of {prey.observations} transitions"
+        parts.append(window.robot(right[i], ahead[i], math.pi / 2 - headings[i], svg.PREY, hint, size))
+    return svg.drawing(window.width, window.height, *parts, window.ruler(), label="Where the prey's steps led")
+
+
+def folded_tables(tables: list[ProbabilityTable]) -> Html:
+    """Return several tables, each opening at a click, the first one open."""
+    return join(fold(t.name, heat_table(t), open_=i == 0) for i, t in enumerate(tables))

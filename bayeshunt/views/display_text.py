@@ -1,0 +1,196 @@
+"""Plain-text forms: what ``print`` shows of a model, an answer, a table, a plan and a hunt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.axes import EFFECTS
+from bayeshunt.episode import Episode
+from bayeshunt.errors import ZeroCountError
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.inverse import InverseModel
+from bayeshunt.models.posterior import Posterior
+from bayeshunt.models.prey import PreyModel
+from bayeshunt.models.table import ProbabilityTable
+from bayeshunt.planners.base import Plan
+
+_BLOCKS = " ▁▂▃▄▅▆▇█"
+_BAR = 24  # characters of a full bar
+_MOST_ROWS = 60
+_MOST_NAME = 24
+
+
+def forward_model(model: ForwardModel) -> str:
+    """Return a row per gait: rows, mean outcome, and its three columns as sparklines."""
+    prior = f"prior {model.prior:g}" if model.prior else "maximum likelihood"
+    head = [
+        "Forward model: Gait -> Distance, Angle, Heading",
+        f"{len(model.gaits)} gaits, {model.joint.total} rows, {prior}, P(Gait) {model.gait_prior}",
+        "",
+    ]
+    try:
+        columns = {effect: model.probabilities(effect) for effect in EFFECTS}
+    except ZeroCountError as error:
+        return "\n".join([*head, f"nothing to show yet: {error}"])
+    counts = model.joint.marginal("Gait")
+    rows = []
+    for index, name in enumerate(model.gaits.names):
+        sparks = [spark(columns[effect][:, index]) for effect in EFFECTS]
+        rows.append([clean(name), str(int(counts[index])), _outcome(model, index), *sparks])
+    return "\n".join([*head, *align(["gait", "rows", "mean outcome", *EFFECTS], rows, left={0, 2, 3, 4, 5})])
+
+
+def _outcome(model: ForwardModel, index: int) -> str:
+    if not model.joint.marginal("Gait")[index]:
+        return "never babbled"
+    pose = model.predict(model.gaits.names[index])
+    return f"{pose.distance * 1000:.0f} mm at {_degrees(pose.angle)}, heading {_degrees(pose.heading)}"
+
+
+def inverse_model(inverse: InverseModel) -> str:
+    """Return how many learned coordinates each gait is the best answer of."""
+    table, names = inverse.table(), inverse.model.gaits.names
+    best = table[list(names)].to_numpy().argmax(axis=1)
+    rows = [[clean(name), str(int((best == i).sum()))] for i, name in enumerate(names)]
+    lines = align(["gait", "best in"], rows)
+    return "\n".join([f"Inverse model: {len(table)} learned coordinates", "", *lines])
+
+
+def posterior(answer: Posterior) -> str:
+    """Return the posterior as bars, with what it rests on."""
+    lines = [f"P(Gait | {', '.join(answer.evidence)})", ""]
+    lines += bars(zip(answer.source.gaits, answer.values.tolist(), strict=True))
+    used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
+    nearest = " (nearest; the target was never babbled)" if answer.snapped else ""
+    return "\n".join(
+        [
+            *lines,
+            "",
+            f"learned coordinate  {used}{nearest}",
+            f"P(evidence)         {answer.evidence_probability:.6g}",
+            f"support             {answer.support} babbling rows",
+        ]
+    )
+
+
+def probability_table(shown: ProbabilityTable) -> str:
+    """Return the probabilities; bins that no row fell into are left out, zeros are dots."""
+    values, counts = shown.probability.to_numpy(), shown.count.to_numpy()
+    kept = np.flatnonzero(counts.any(axis=1) | (len(counts) <= _MOST_ROWS))[:_MOST_ROWS]
+    labels = list(shown.probability.index)
+    rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i]), str(counts[i].sum())] for i in kept]
+    lines = align([shown.variable, *map(clean, shown.probability.columns), "rows"], rows)
+    left = len(labels) - len(kept)
+    return "\n".join([shown.name, "", *lines, *([f"({left} more bins)"] if left else [])])
+
+
+def prey_model(prey: PreyModel) -> str:
+    """Return the transitions seen, the most frequent first, with their intervals."""
+    head = f"Prey model: {prey.observations} transitions, in the prey's own earlier frame"
+    if prey.is_empty:
+        return f"{head}\nnothing observed yet, so nothing can be predicted"
+    frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
+    rows = [
+        [*labels, f"{p:.3f}", str(n), f"{low:.3f} to {high:.3f}"]
+        for labels, p, n, low, high in zip(
+            frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
+        )
+    ]
+    lines = align([*EFFECTS, "P", "count", "95 % interval"], rows[:_MOST_ROWS])
+    more = [f"(and {len(rows) - _MOST_ROWS} rarer cells)"] if len(rows) > _MOST_ROWS else []
+    return "\n".join([head, "", *lines, *more])
+
+
+def plan(shown: Plan) -> str:
+    """Return a decision and the chosen branch with its values, or the posterior that decided."""
+    lines = [
+        f"Plan: {clean(shown.gait)}",
+        f"sequence  {' > '.join(map(clean, shown.gaits))}",
+        f"value     {shown.value:.4g}, {shown.objective}",
+        f"nodes     {shown.nodes} considered" + (f", {shown.expansions} expanded" if shown.expansions else ""),
+    ]
+    if shown.evidence_probability is not None:
+        lines.append(f"evidence  P = {shown.evidence_probability:.4g}, {shown.support} babbling rows")
+    trace = shown.trace
+    if {"node", "parent", "chosen", "value_bodies"} <= set(trace.columns):
+        lines += ["", *_tree(trace)]
+    elif shown.posterior is not None and "gait" in trace.columns:
+        lines += ["", *bars(zip(trace["gait"], np.asarray(shown.posterior).tolist(), strict=True))]
+    return "\n".join(lines)
+
+
+def _tree(trace: Any, most: int = 3) -> list[str]:
+    """The chosen branch, and beside each of its nodes the next best alternatives."""
+    lines = []
+    for record in trace[trace["chosen"]].sort_values("T").to_dict("records"):
+        indent = "  " * int(record["T"])
+        name = clean(record["gait"]) or "now"
+        lines.append(f"{indent}* {name}  {record['value_bodies']:.2f} bodies")
+        rivals = trace[(trace["parent"] == record["parent"]) & ~trace["chosen"]]
+        for rival in rivals.nsmallest(most, "value_bodies").to_dict("records"):
+            lines.append(f"{indent}  {clean(rival['gait'])}  {rival['value_bodies']:.2f}")
+    return lines
+
+
+def episode(shown: Episode) -> str:
+    """Return the outcome and a row per decision."""
+    origin = shown.provenance
+    ending = f"caught after {shown.time:.2f} s" if shown.caught else f"not caught in {shown.time:g} s"
+    what = ", ".join(f"{name} {origin[name]}" for name in ("planner", "arena", "theta", "seed") if name in origin)
+    rows = [
+        [
+            str(r["step"]),
+            f"{r['time']:.1f}",
+            f"{r['seen_distance'] * 1000:.0f}",
+            _degrees(r["seen_angle"]),
+            clean(r["gait"]),
+            f"{r['value']:.3g}",
+            str(r["prey_observations"]),
+        ]
+        for r in shown.frame.to_dict("records")
+    ]
+    lines = align(["step", "time s", "prey mm", "bearing", "gait", "value", "moves seen"], rows, left={4})
+    return "\n".join([f"Hunt: {ending} ({what})", "", *lines])
+
+
+def bars(shares: Iterable[tuple[str, float]]) -> list[str]:
+    """Return a line per name: name, bar, probability."""
+    pairs = [(clean(name), share) for name, share in shares]
+    width = max(len(name) for name, _ in pairs)
+    return [f"{name:<{width}}  {'█' * round(share * _BAR):<{_BAR}}  {share:.4f}" for name, share in pairs]
+
+
+def spark(values: np.ndarray, width: int = 12) -> str:
+    """Return values as a line of blocks; neighbours are added up to fit ``width`` characters."""
+    edges = np.linspace(0, len(values), min(width, len(values)) + 1).astype(int)[:-1]
+    sums = np.add.reduceat(np.asarray(values, dtype=float), edges)
+    if not sums.max() > 0:
+        return _BLOCKS[0] * len(sums)
+    # Whatever is not 0 shows.
+    return "".join(_BLOCKS[math.ceil(8 * share / sums.max())] for share in sums)
+
+
+def align(head: Sequence[str], rows: Sequence[Sequence[str]], *, left: set[int] | None = None) -> list[str]:
+    """Return lines of a table with two spaces between columns; columns ``left`` are left-aligned."""
+    lefts = {0} if left is None else left
+    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
+    lines = []
+    for row in [head, *rows]:
+        cells = (c.ljust(w) if i in lefts else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def clean(name: Any, length: int = _MOST_NAME) -> str:
+    """Return a name on one line, without control characters that a terminal would obey, cut to ``length``."""
+    printable = "".join(c if c.isprintable() else "�" for c in str(name))
+    return printable if len(printable) <= length else printable[: length - 1] + "…"
+
+
+def _degrees(angle: float) -> str:
+    text = f"{math.degrees(angle):.0f}°"
+    return "0°" if text == "-0°" else text
