@@ -9,6 +9,7 @@ import typer
 
 from bayeshunt.cli import learning  # noqa: F401  isort: skip
 from bayeshunt.cli import hunts  # noqa: F401  isort: skip
+from bayeshunt.cli import experiments  # noqa: F401  isort: skip
 from bayeshunt.cli import report  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app

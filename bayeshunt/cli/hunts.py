@@ -1,4 +1,4 @@
-"""hunt, evaluate: one episode, or the whole experiment."""
+"""hunt: one episode."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from bayeshunt.cli.options import (
     Json,
     Model,
     Preset,
-    Quiet,
     Seed,
     check_names,
     check_parent,
@@ -71,52 +70,6 @@ def hunt(
     terminal.episode_table(episode)
     if replay is not None:
         terminal.say(f"{replay}: open it in a browser to play the hunt")
-
-
-@app.command()
-def evaluate(
-    model: Model = None,
-    preset: Preset = "paper",
-    config: Config = None,
-    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
-    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
-    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
-    seed: Seed = 0,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
-    out: Annotated[Path | None, typer.Option(help="Folder for every hunt and the summary.")] = None,
-    per_theta: Annotated[bool, typer.Option("--per-theta", help="Show every bearing, not just the totals.")] = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> None:
-    """Run the paper's experiment and print its table beside ours.
-
-    Without --model the robot babbles and the model is fitted first.
-
-    Example:  bayeshunt evaluate --runs 100 --seed 0 --out results
-    """
-    from bayeshunt.experiments import runner, store
-    from bayeshunt.views import terminal
-
-    settings = runner.experiment_settings(config or preset, runs)
-    planners = check_names(settings, planner, arena)
-    runner.check_jobs(jobs)
-    if out is not None:
-        store.check_output_folder(out)
-    forward = load_or_learn(model, settings, seed)
-    total = len(settings.protocol.thetas) * settings.protocol.runs * len(planners) * len(arena or settings.arenas)
-    with terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
-        results = runner.evaluate(
-            settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, progress=advance
-        )
-    if out is not None:
-        store.save_results(results, settings, seed, out)
-    facts = store.summary(results, settings, seed)
-    if as_json:
-        typer.echo(json.dumps(facts))
-        return
-    terminal.success_table(facts, per_theta=per_theta)
-    if out is not None:
-        terminal.say(f"every hunt and the summary are in {out}")
 
 
 def _write_replay(episode: Any, path: Path, forward: Any, model: Path | None, babbling_seed: int) -> None:

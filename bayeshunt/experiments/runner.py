@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import InputError
+from bayeshunt.errors import InputError, ResultsError
+from bayeshunt.experiments import workers
+from bayeshunt.experiments.database import HuntDatabase, Numbered, Sink
+from bayeshunt.experiments.identity import Identity, fingerprint, versions
+from bayeshunt.experiments.lock import FolderLock
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
+from bayeshunt.experiments.store import check_output_folder, check_same_export, save_results
 from bayeshunt.hunting import Result, run_hunt
+from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
 _BATCH = 20  # hunts handed to a worker at a time
 
-#: Called with the number of hunts that have just ended.
+#: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
+#: Called with one line that the user should see.
+Say = Callable[[str], None]
 
 
 def evaluate(
@@ -33,37 +45,149 @@ def evaluate(
     planners: Sequence[str] | None = None,
     arenas: Sequence[str] | None = None,
     model: ForwardModel | None = None,
+    out: str | os.PathLike[str] | None = None,
+    scheduler: str | None = None,
     progress: Progress | None = None,
+    say: Say | None = None,
 ) -> pd.DataFrame:
     """Run the experiment and return one row per hunt.
 
     experiment: preset name, TOML path or settings. runs: per bearing, the settings' by default.
     seed: of every hunt and, if no model is given, of the babbling it is learned from.
     jobs: worker processes; -1 for one per core. planners, arenas: names, the settings' by default.
+    out: folder of the results. Every hunt is committed there as it ends; the same call on the same
+        folder goes on where the last one stopped, whatever stopped it.
+    scheduler: None, "local" or the address of a dask scheduler ("tcp://host:port").
+    say: called with a line of news, for example that damaged rows are run again.
 
     Columns: planner, arena, theta [rad], run, seed (of that hunt), caught, time [s, the limit if
-    missed], decisions, transitions, distance [m]. The same seed gives the same table at any ``jobs``.
+    missed], decisions, transitions, distance [m]. The same seed gives the same table at any ``jobs``,
+    with any ``scheduler``, and after any number of interruptions.
     ``frame.attrs["settings"]`` holds the settings used.
 
-    Raises InputError for a wrong name or number.
+    Raises InputError for a wrong name or number, ResultsError if ``out`` holds another experiment or
+    is damaged, FolderInUseError if another process is working there.
     """
     settings = experiment_settings(experiment, runs)
     check_jobs(jobs)
+    workers.check_scheduler(scheduler)
     _check_seed(seed)
     planners = tuple(planners) if planners else settings.planners
     arenas = tuple(arenas) if arenas else tuple(settings.arenas)
     tasks = plan_hunts(settings, planners, arenas, seed)
+    if model is not None:
+        _check_minds(planners, model, settings)
+    with contextlib.ExitStack() as stack:
+        database = None
+        if out is not None:
+            folder = check_output_folder(out)
+            stack.enter_context(FolderLock(folder))
+            asked = Identity.of(settings, planners, arenas, seed, model and fingerprint(model_files.dumps(model)))
+            database = stack.enter_context(_open_or_create(folder, asked, model, settings))
+            model = model_files.loads(database.model, f"{database.path}: the model in it")
+        elif model is None:
+            model = learn_model(settings, seed)
+        _check_minds(planners, model, settings)
+        sweep = _Sweep(settings, model, tasks, database, progress or _ignore, say or _ignore)
+        ended = sweep.run(jobs, scheduler)
+        frame = results_frame(tasks, ended, settings, seed)
+        if database is not None:
+            database.fold()
+            save_results(frame, settings, seed, database.path.parent)
+    return frame
+
+
+def _open_or_create(
+    folder: Path, asked: Identity, model: ForwardModel | None, settings: ExperimentSettings
+) -> HuntDatabase:
+    """Open the folder's database if it is of the same experiment; make it if there is none."""
+    database = HuntDatabase.open(folder)
+    if database is not None:
+        difference = database.identity.difference(asked)
+        if difference is None:
+            return database
+        database.__exit__()
+        raise ResultsError(f"{folder} holds another experiment: {difference}; choose another --out")
+    check_same_export(folder, settings, asked.seed)
     if model is None:
-        model = learn_model(settings, seed)
-    check_model(model, settings)
-    for name in planners:  # a wrong planner or setting fails here, not in a worker
-        make_planner(name, model, **settings.planner.get(name, {}))
-    ended: dict[HuntTask, Result] = {}
-    for pairs in run_tasks(settings, model, tasks, jobs):
-        ended.update(pairs)
-        if progress is not None:
-            progress(len(pairs))
-    return results_frame(tasks, ended, settings, seed)
+        model = learn_model(settings, asked.seed)
+    text = model_files.dumps(model)
+    return HuntDatabase.create(folder, replace(asked, model=fingerprint(text)), text)
+
+
+class _Sweep:
+    """Hunts to run, hunts that have ended."""
+
+    def __init__(
+        self, settings: ExperimentSettings, model: ForwardModel, tasks: Sequence[HuntTask],
+        database: HuntDatabase | None, progress: Progress, say: Say,
+    ) -> None:  # fmt: skip
+        self.settings, self.model = settings, model
+        self.hunts = [Numbered(number, task) for number, task in enumerate(tasks)]
+        self.database, self.progress, self.say = database, progress, say
+        self.ended: dict[int, Result] = {}
+
+    def run(self, jobs: int, scheduler: str | None) -> dict[int, Result]:
+        """Run what is missing; return every hunt's result by its number."""
+        if self.database is not None:
+            self.database.begin_session()
+        # A worker on this machine commits each hunt itself; one elsewhere sends it back.
+        sink = self.database.sink if self.database is not None and scheduler is None else None
+        call = partial(run_batch, self.settings, self.model, sink, versions(), os.getpid())
+
+        def run(hunts: Sequence[Numbered]) -> Iterator[list[tuple[Numbered, Result]]]:
+            yield from workers.parallel(call, _batches(hunts), jobs=jobs, scheduler=scheduler)
+
+        for pairs in workers.work_off(self._missing, run):
+            if self.database is not None:
+                self.database.check_in_place()
+                if sink is None:
+                    self.database.add_all(pairs)
+            self._note({hunt.number: result for hunt, result in pairs})
+        return self.ended
+
+    def _missing(self) -> list[Numbered]:
+        if self.database is not None:
+            self._collect()
+        return [hunt for hunt in self.hunts if hunt.number not in self.ended]
+
+    def _collect(self) -> None:
+        """Take over what is in the database; rows that are damaged are dropped, to be run again."""
+        assert self.database is not None
+        done, damaged = self.database.results()
+        if damaged:
+            self.say(f"{self.database.path}: {len(damaged)} damaged rows dropped; their hunts are run again")
+            self.database.drop(damaged)
+        self._note(done)
+
+    def _note(self, results: dict[int, Result]) -> None:
+        new = {number: result for number, result in results.items() if number not in self.ended}
+        self.ended.update(new)
+        if new:
+            self.progress(len(new))
+
+
+def run_batch(
+    settings: ExperimentSettings, model: ForwardModel, sink: Sink | None, expected: dict[str, str], parent: int,
+    hunts: Sequence[Numbered],
+) -> list[tuple[Numbered, Result]]:  # fmt: skip
+    """Run hunts of one planner one after the other, each committed to ``sink`` as it ends.
+
+    expected: versions of the libraries that this worker must have. parent: process that asks.
+    """
+    workers.guard_worker(parent)
+    workers.check_worker_versions(expected, versions())
+    name = hunts[0].task.planner
+    planner = make_planner(name, model, **settings.planner.get(name, {}))
+    pairs = []
+    with sink.opened() if sink is not None else contextlib.nullcontext() as writer:
+        for hunt in hunts:
+            result = run_hunt(settings, planner, hunt.task.arena, hunt.task.theta, hunt.task.seed)
+            result = Result(bool(result.caught), *map(_plain, result[1:]))
+            if writer is not None:
+                writer.add(hunt, result)
+            pairs.append((hunt, result))
+    return pairs
 
 
 def experiment_settings(
@@ -82,43 +206,19 @@ def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
         )
 
 
-def run_tasks(
-    settings: ExperimentSettings, model: ForwardModel, tasks: Sequence[HuntTask], jobs: int
-) -> Iterator[list[tuple[HuntTask, Result]]]:
-    """Yield finished hunts, a batch at a time, in any order."""
-    batches = list(_batches(tasks))
-    if jobs == 1:
-        yield from (run_batch(settings, model, batch) for batch in batches)
-        return
-    from joblib import Parallel, delayed
-
-    parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="2*n_jobs", batch_size=1)
-    yield from parallel(delayed(run_batch)(settings, model, batch) for batch in batches)
-
-
-def run_batch(
-    settings: ExperimentSettings, model: ForwardModel, tasks: Sequence[HuntTask]
-) -> list[tuple[HuntTask, Result]]:
-    """Run hunts of one planner one after the other."""
-    name = tasks[0].planner
-    planner = make_planner(name, model, **settings.planner.get(name, {}))
-    return [(task, run_hunt(settings, planner, task.arena, task.theta, task.seed)) for task in tasks]
-
-
 def results_frame(
-    tasks: Sequence[HuntTask], ended: dict[HuntTask, Result], settings: ExperimentSettings, seed: int
+    tasks: Sequence[HuntTask], ended: dict[int, Result], settings: ExperimentSettings, seed: int
 ) -> pd.DataFrame:
     """Return one row per hunt, in the order of the protocol, whatever the order they ended in."""
-    frame = pd.DataFrame([(*task, *ended[task]) for task in tasks], columns=[*HuntTask._fields, *Result._fields])
+    frame = pd.DataFrame(
+        [(*task, *ended[number]) for number, task in enumerate(tasks)], columns=[*HuntTask._fields, *Result._fields]
+    )
     frame["caught"] = frame["caught"].astype(bool)
     frame.attrs = {"settings": settings.model_dump(mode="json"), "seed": int(seed)}
     return frame
 
 
-def check_jobs(jobs: int) -> None:
-    """Raise InputError unless ``jobs`` is a positive whole number or -1."""
-    if isinstance(jobs, bool) or not isinstance(jobs, (int, np.integer)) or not (jobs >= 1 or jobs == -1):
-        raise InputError(f"jobs: expected a whole number of at least 1, or -1 for one per core, got {jobs!r}")
+check_jobs = workers.check_jobs
 
 
 def _check_seed(seed: Any) -> None:
@@ -126,8 +226,24 @@ def _check_seed(seed: Any) -> None:
         raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
 
 
-def _batches(tasks: Sequence[HuntTask]) -> Iterator[list[HuntTask]]:
+def _check_minds(planners: Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:
+    """A wrong model, planner or setting fails here, before any work and not in a worker."""
+    check_model(model, settings)
+    for name in planners:
+        make_planner(name, model, **settings.planner.get(name, {}))
+
+
+def _batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
     """Cut the hunts into batches that share a planner."""
-    for _, group in groupby(tasks, key=lambda task: (task.planner, task.arena)):
-        hunts = list(group)
-        yield from (hunts[i : i + _BATCH] for i in range(0, len(hunts), _BATCH))
+    for _, group in groupby(hunts, key=lambda hunt: (hunt.task.planner, hunt.task.arena)):
+        some = list(group)
+        yield from (some[i : i + _BATCH] for i in range(0, len(some), _BATCH))
+
+
+def _plain(value: Any) -> Any:
+    """A Python number, as the database gives it back."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _ignore(_: Any) -> None:
+    return None

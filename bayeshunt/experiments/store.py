@@ -10,15 +10,16 @@ from typing import Any
 
 import pandas as pd
 
+from bayeshunt import sealed
 from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import DataError, InputError
+from bayeshunt.errors import DataError, InputError, ResultsError
 from bayeshunt.experiments.scores import summarise
-from bayeshunt.files import replace_atomically, write_text
+from bayeshunt.files import write_text
 
 HUNTS_FILE = "hunts.parquet"
 SUMMARY_JSON = "summary.json"
 SUMMARY_MARKDOWN = "summary.md"
-_KEY = b"bayeshunt"
+_KIND = "results"
 
 
 def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> dict[str, Any]:
@@ -49,17 +50,13 @@ def save_results(
 ) -> None:
     """Write hunts.parquet, summary.json and summary.md into ``folder``, each replaced atomically."""
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
     path = check_output_folder(folder)
-    record = {"kind": "results", "seed": int(seed), "settings": settings.model_dump(mode="json")}
+    record = {"kind": _KIND, "seed": int(seed), "settings": settings.model_dump(mode="json")}
     record["version"] = version("bayeshunt")
     plain = results.copy(deep=False)
     plain.attrs = {}
-    table = pa.Table.from_pandas(plain, preserve_index=False)
-    table = table.replace_schema_metadata({_KEY: json.dumps(record, sort_keys=True).encode()})
-    with replace_atomically(path / HUNTS_FILE) as temporary:
-        pq.write_table(table, temporary, compression="zstd")
+    sealed.write(pa.Table.from_pandas(plain, preserve_index=False), record, path / HUNTS_FILE)
     facts = summary(results, settings, seed)
     write_text(path / SUMMARY_JSON, json.dumps(facts, indent=1) + "\n")
     write_text(path / SUMMARY_MARKDOWN, to_markdown(facts))
@@ -70,21 +67,25 @@ def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
 
     Raises DataError in one line if there are none or the file is damaged.
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     path = Path(folder) / HUNTS_FILE
     if not path.is_file():
         raise DataError(f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {folder}")
-    try:
-        table = pq.read_table(path, partitioning=None)
-        record = json.loads((table.schema.metadata or {})[_KEY])
-        frame = table.to_pandas()
-    except (pa.ArrowException, OSError, ValueError, KeyError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-        raise DataError(f"{path}: not readable results ({reason})") from None
+    mend = f"make it again with: bayeshunt evaluate --out {folder}"
+    table, record = sealed.read(path, what="results", mend=mend)
+    if record is None or record.get("kind") != _KIND:
+        raise DataError(f"{path}: cannot be read as results (another kind of file); {mend}")
+    frame = table.to_pandas()
     frame.attrs = record
     return frame
+
+
+def check_same_export(folder: Path, settings: ExperimentSettings, seed: int) -> None:
+    """Raise ResultsError if ``folder`` holds exported results of another experiment, which would be replaced."""
+    if not (folder / HUNTS_FILE).exists():
+        return
+    record = load_results(folder).attrs
+    if record.get("seed") != seed or record.get("settings") != json.loads(settings.model_dump_json()):
+        raise ResultsError(f"{folder / HUNTS_FILE} holds results of another experiment; choose another --out")
 
 
 def to_markdown(facts: dict[str, Any]) -> str:

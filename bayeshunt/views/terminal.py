@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterator
+from datetime import timedelta
 from typing import Any
 
 from rich import box
@@ -77,6 +78,29 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+
+
+def status_table(found: Any) -> None:
+    """Print how far an evaluation is."""
+    table = Table(box=None, pad_edge=False)
+    for name in ("planner", "arena"):
+        table.add_column(name, no_wrap=True)
+    for name in ("ended", "of", "caught"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for share in found.shares:
+        table.add_row(share.planner, share.arena, f"{share.ended:,}", f"{share.planned:,}", f"{share.caught:,}")
+    out.print(table)
+    percent = 100 * found.ended / found.planned
+    out.print(f"{found.experiment}: {found.ended:,} of {found.planned:,} hunts, {percent:.1f} %", style="bold")
+    if found.running and found.rate:
+        left = timedelta(seconds=round(found.seconds_left))
+        out.print(f"running (process {found.process} on {found.host}), {found.rate:.0f} hunts/s, {left} left")
+    elif found.running:
+        out.print(f"running (process {found.process} on {found.host})")
+    elif found.ended < found.planned:
+        out.print("not running; the evaluate line that started it goes on from here")
+    else:
+        out.print("finished")
 
 
 def episode_table(episode: Any) -> None:

@@ -1,0 +1,108 @@
+"""evaluate, status: the whole experiment, and how far it is."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Config, Json, Model, Preset, Quiet, Seed, check_names
+
+
+@app.command()
+def evaluate(
+    model: Model = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
+    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
+    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Work on a dask cluster: local, or an address such as tcp://host:8786.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the results. Every hunt is kept as it ends; the same line goes on.")
+    ] = None,
+    per_theta: Annotated[bool, typer.Option("--per-theta", help="Show every bearing, not just the totals.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run the paper's experiment and print its table beside ours.
+
+    Without --model the robot babbles and the model is fitted first. With --out, an evaluation that was
+    stopped, by whatever, goes on from where it was when the same line is given again.
+
+    Example:  bayeshunt evaluate --runs 100 --seed 0 --out results
+    """
+    from bayeshunt.experiments import runner, store
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.views import terminal
+
+    settings = runner.experiment_settings(config or preset, runs)
+    planners = check_names(settings, planner, arena)
+    runner.check_jobs(jobs)
+    forward = None if model is None else ForwardModel.load(model)
+    total = len(settings.protocol.thetas) * settings.protocol.runs * len(planners) * len(arena or settings.arenas)
+    with _stoppable(out), terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
+        results = runner.evaluate(
+            settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, out=out,
+            scheduler=scheduler, progress=advance, say=terminal.say,
+        )  # fmt: skip
+    facts = store.summary(results, settings, seed)
+    if as_json:
+        typer.echo(json.dumps(facts))
+        return
+    terminal.success_table(facts, per_theta=per_theta)
+    if out is not None:
+        terminal.say(f"every hunt and the summary are in {out}")
+
+
+@app.command()
+def status(
+    folder: Annotated[Path, typer.Argument(help="Folder given to evaluate --out.", show_default=False)],
+    as_json: Json = False,
+) -> None:
+    """Show how far an evaluation is: hunts ended, rate and time left. It may be running; nothing is disturbed.
+
+    Example:  bayeshunt status results
+    """
+    from bayeshunt.experiments.status import status as read
+
+    found = read(folder)
+    if as_json:
+        typer.echo(json.dumps(found.to_dict()))
+        return
+    from bayeshunt.views import terminal
+
+    terminal.status_table(found)
+
+
+@contextlib.contextmanager
+def _stoppable(out: Path | None) -> Iterator[None]:
+    """End with one line on Ctrl-C or SIGTERM that says what is kept and how to go on; exit status 130."""
+    from bayeshunt.experiments.status import status as read
+    from bayeshunt.views import terminal
+
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    except KeyboardInterrupt:
+        if out is None:
+            terminal.say("bayeshunt: stopped; nothing is kept without --out")
+        else:
+            found = read(out)
+            terminal.say(
+                f"bayeshunt: stopped; {found.ended} of {found.planned} hunts are kept in {out}; "
+                "give the same line again to go on"
+            )
+        raise typer.Exit(130) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,121 @@
+"""What makes two evaluations the same: settings, planners, arenas, seed, model and versions.
+
+Everything that can change a single bit of the results is part of the identity, nothing else is: the
+number of workers and where they run are not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from itertools import zip_longest
+from typing import Any
+
+from bayeshunt.config import ExperimentSettings
+
+#: Distributions whose version may change a result.
+_LIBRARIES = ("bayeshunt", "box2d", "numpy")
+_ABSENT = "not given"
+
+
+@dataclass(frozen=True)
+class Identity:
+    """One evaluation.
+
+    settings, planners, arenas, seed: as asked. versions: by library name.
+    learned: True if the model is babbled and fitted by the evaluation itself, from settings and seed.
+    model: fingerprint of the model's tables; "" while a model that is to be learned is not yet known.
+    """
+
+    settings: dict[str, Any]
+    planners: tuple[str, ...]
+    arenas: tuple[str, ...]
+    seed: int
+    versions: dict[str, str]
+    learned: bool
+    model: str = ""
+
+    @classmethod
+    def of(
+        cls, settings: ExperimentSettings, planners: Sequence[str], arenas: Sequence[str], seed: int, model: str | None
+    ) -> Identity:
+        """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
+        plain = json.loads(json.dumps(settings.model_dump(mode="json")))
+        return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), model is None, model or "")
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> Identity:
+        """Rebuild from :meth:`to_dict`; KeyError or TypeError if the record is something else."""
+        names = {"planners": tuple(record["planners"]), "arenas": tuple(record["arenas"])}
+        return cls(**{**record, **names})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values for JSON."""
+        return {**self.__dict__, "planners": list(self.planners), "arenas": list(self.arenas)}
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 over everything, in hexadecimal: the settings hash of a results folder."""
+        return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()
+
+    def difference(self, other: Identity) -> str | None:
+        """Return the first thing in which ``other`` differs, "seed is 0, not 1"; None if nothing does."""
+        pairs = (
+            (self.settings, other.settings, "settings"),
+            (list(self.planners), list(other.planners), "planners"),
+            (list(self.arenas), list(other.arenas), "arenas"),
+            (self.seed, other.seed, "seed"),
+            (self.versions, other.versions, "version of"),
+            (_model_kind(self), _model_kind(other), "the model"),
+        )
+        for mine, theirs, name in pairs:
+            for key, one, two in _differences(mine, theirs):
+                return f"{_readable(name, key)} is {_short(one)} there and {_short(two)} here"
+        if self.model and other.model and self.model != other.model:
+            return f"the model has fingerprint {self.model[:12]} there and {other.model[:12]} here"
+        return None
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the libraries that a result depends on."""
+    return {name: version(name) for name in _LIBRARIES}
+
+
+def fingerprint(model_text: str) -> str:
+    """Return a SHA-256 in hexadecimal over all of a model file that decides its answers: not its provenance."""
+    content = json.loads(model_text)["content"]
+    content.pop("provenance", None)
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _model_kind(identity: Identity) -> str:
+    return "learned from the seed" if identity.learned else "given with --model"
+
+
+def _differences(one: Any, two: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Yield (dotted key, value, value) for every leaf that differs."""
+    if isinstance(one, dict) and isinstance(two, dict):
+        for name in [*one, *(n for n in two if n not in one)]:
+            yield from _differences(one.get(name, _ABSENT), two.get(name, _ABSENT), f"{key}.{name}")
+    elif isinstance(one, list) and isinstance(two, list) and _nested(one, two):
+        for index, (left, right) in enumerate(zip_longest(one, two, fillvalue=_ABSENT)):
+            yield from _differences(left, right, f"{key}[{index}]")
+    elif one != two or type(one) is not type(two):
+        yield key, one, two
+
+
+def _nested(one: list[Any], two: list[Any]) -> bool:
+    return any(isinstance(value, dict) for value in [*one, *two])
+
+
+def _readable(name: str, key: str) -> str:
+    key = key.removeprefix(".")
+    return key if name == "settings" else f"{name} {key}".rstrip()
+
+
+def _short(value: Any) -> str:
+    text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."
