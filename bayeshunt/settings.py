@@ -8,12 +8,15 @@ import tomllib
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config import ExperimentSettings, RobotSettings
-from bayeshunt.errors import ConfigError
+from bayeshunt.errors import ConfigError, InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Kind = TypeVar("Kind", bound=BaseModel)
 
@@ -49,6 +52,20 @@ def load_experiment(
     for key, value in (overrides or {}).items():
         _set(values, key, value, source)
     return parse(ExperimentSettings, values, source)
+
+
+def recorded_robot(frame: pd.DataFrame, source: str = "") -> RobotSettings:
+    """Return the robot that made a babbling table, from the provenance that babbling leaves in it.
+
+    source: what starts an error message, for example "babbling.parquet: ". Raises InputError if the
+    table does not say, ConfigError if the record is damaged.
+    """
+    from bayeshunt.dataset import PROVENANCE_KEY
+
+    recorded = frame.attrs.get(PROVENANCE_KEY, {}).get("robot")
+    if recorded is None:
+        raise InputError(f"{source}the table does not say which robot made it; add --robot, or pass its gaits")
+    return parse(RobotSettings, recorded, f"{source}provenance: robot")
 
 
 def preset_names(folder: str = "") -> list[str]:

@@ -10,7 +10,6 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
-from bayeshunt.errors import InputError
 
 
 @app.command()
@@ -49,6 +48,9 @@ def fit(
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
     xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
+    structure: Annotated[
+        str, typer.Option(help="naive (the paper), tan, joint or learned: what depends on what; see assess.")
+    ] = "naive",
     as_json: Json = False,
 ) -> None:
     """Fit the network Gait -> Distance, Angle, Heading to a babbling table.
@@ -60,13 +62,14 @@ def fit(
 
     check_parent(out)
     frame = dataset.load(data)
-    model = ForwardModel.fit(frame, _gaits_of(frame, robot, str(data)), prior=prior)
+    model = ForwardModel.fit(frame, _gaits_of(frame, robot, str(data)), prior=prior, structure=structure)
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)
     facts = {
         "out": str(out), "rows": len(frame), "prior": prior, "log_likelihood": model.log_likelihood(frame),
         "bins": {axis.name: axis.bins for axis in model.axes},
+        "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
     tell(facts, as_json, f"{out}: {len(frame)} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
@@ -105,13 +108,6 @@ def query(
 
 def _gaits_of(frame: Any, robot: str | None, source: str) -> Any:
     """The repertoire of a babbling table: the robot given, or the one in its provenance."""
-    from bayeshunt.config import RobotSettings
-    from bayeshunt.dataset import PROVENANCE_KEY
-    from bayeshunt.settings import load_robot, parse
+    from bayeshunt.settings import load_robot, recorded_robot
 
-    if robot is not None:
-        return load_robot(robot).gaits
-    recorded = frame.attrs.get(PROVENANCE_KEY, {}).get("robot")
-    if recorded is None:
-        raise InputError(f"{source}: the table does not say which robot made it; add --robot")
-    return parse(RobotSettings, recorded, f"{source}: provenance: robot").gaits
+    return (recorded_robot(frame, f"{source}: ") if robot is None else load_robot(robot)).gaits

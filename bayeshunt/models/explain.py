@@ -2,7 +2,8 @@
 
 Naive Bayes multiplies, so its log-odds add (I. J. Good, Probability and the Weighing of Evidence, 1950):
 ``log P(g|e)/P(r|e) = log P(g)/P(r) + sum_v log P(v|g)/P(v|r)``, for a gait g, its reference r and the
-bins v of the evidence e.
+bins v of the evidence e. In other structures each part is what the variable says given those before
+it: ``log P(Distance | g)``, ``log P(Angle | Distance, g)``, ``log P(Heading | Distance, Angle, g)``.
 """
 
 from __future__ import annotations
@@ -43,11 +44,27 @@ def explain(model: ForwardModel, answer: Posterior, reference: str = RIVAL) -> p
 
 def log_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray]:
     """Return log P(g) and log P(v | g) [G] of each part, natural logarithm; 0 for what was not asked."""
+    if not model.structure.is_naive:
+        return _chain_terms(model, answer)
     cell, p = answer.cell, model.probabilities
     bins = dict(zip(EFFECTS, (cell.distance_bin, cell.angle_bin, cell.heading_bin), strict=True))
     terms = {"prior": _log(p("Gait"))}
     for effect, row in bins.items():
         terms[effect] = np.zeros(len(model.gaits)) if row is None else _log(p(effect)[row])
+    return terms
+
+
+def _chain_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray]:
+    """The terms of the chain rule: each is the growth of log P(g, evidence) by one more variable."""
+    cell, prior = answer.cell, model.probabilities("Gait")
+    known = [prior, prior * model.probabilities("Distance")[cell.distance_bin]]
+    known.append(model.evidence(cell.distance_bin, cell.angle_bin))
+    if cell.heading_bin is not None:
+        known.append(model.evidence(cell.distance_bin, cell.angle_bin, cell.heading_bin))
+    terms = {"prior": _log(prior), **{effect: np.zeros(len(prior)) for effect in EFFECTS}}
+    for effect, before, after in zip(EFFECTS, known, known[1:], strict=False):
+        # Once a gait is ruled out, no further variable has anything to add.
+        terms[effect] = np.where(before > 0, _log(after) - _log(np.where(before > 0, before, 1.0)), 0.0)
     return terms
 
 
