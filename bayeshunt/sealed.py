@@ -82,7 +82,10 @@ class Reader:
             self.schema = self._file.schema_arrow.remove_metadata()
             self.rows = int(self._file.metadata.num_rows)
             sealed = (self._file.schema_arrow.metadata or {}).get(KEY)
-            self.record, self._digests = (None, None) if sealed is None else unseal(sealed)
+            self.record: dict[str, Any] | None = None
+            self._digests: list[str] | None = None
+            if sealed is not None:
+                self.record, self._digests = unseal(sealed)
             if self._digests is not None and len(self._digests) != max(self._file.num_row_groups, 1):
                 raise ValueError("row groups are missing")
 

@@ -82,7 +82,8 @@ def evaluate(
         if out is not None:
             folder = check_output_folder(out)
             stack.enter_context(FolderLock(folder))
-            asked = Identity.of(settings, planners, arenas, seed, model and fingerprint(model_files.dumps(model)))
+            given = None if model is None else fingerprint(model_files.dumps(model))
+            asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))
             model = model_files.loads(database.model, f"{database.path}: the model in it")
         elif model is None:
