@@ -6,8 +6,9 @@ import itertools
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
-from model_cases import full_joint, random_model
+from model_cases import full_joint, random_model, repertoire
 
 from bayeshunt.errors import ImpossibleEvidenceError
 from bayeshunt.models.forward import ForwardModel
@@ -73,27 +74,33 @@ def check_by_enumeration(model: ForwardModel) -> None:
 
 
 def check_by_engines(model: ForwardModel, questions: int, *, rng: np.random.Generator) -> int:
-    """Possible evidence drawn at random, asked of both engines; returns how many were asked."""
+    """Possible evidence drawn at random, asked of both engines.
+
+    Returns how many answers left more than one gait possible: where only one is, engines agree
+    whatever they compute, so those prove little.
+    """
     joint, inverse, net = full_joint(model), InverseModel(model), in_pyagrum(model)
     possible = np.argwhere(joint.sum(axis=0) > 0)
     chosen = possible[rng.integers(0, len(possible), questions)].tolist()
+    open_ = 0
     for number, (d, a, h) in enumerate(chosen):
         answer = at(inverse, d, a, h if number % 2 else None, snap=False)
         bins = {"Distance": d, "Angle": a, **({"Heading": h} if number % 2 else {})}
         np.testing.assert_allclose(ask_pyagrum(net, bins), answer.values, rtol=0, atol=TOLERANCE)
         np.testing.assert_allclose(ask_pgmpy(model, answer.evidence), answer.values, rtol=0, atol=TOLERANCE)
-    return len(chosen)
+        open_ += int(answer.values.max() < 1.0)
+    return open_
 
 
 @pytest.mark.parametrize("block", range(8))
 def test_200_random_networks(block: int) -> None:
     rng = np.random.default_rng(block)
-    asked = 0
+    open_ = 0
     for seed in range(25 * block, 25 * block + 25):
         model = random_model(seed)
         check_by_enumeration(model)
-        asked += check_by_engines(model, 4, rng=rng)
-    assert asked == 100
+        open_ += check_by_engines(model, 4, rng=rng)
+    assert open_ > 30
 
 
 def test_random_networks_are_worth_testing() -> None:
@@ -108,7 +115,14 @@ def test_random_networks_are_worth_testing() -> None:
 
 def test_fitted_model(model: ForwardModel) -> None:
     check_by_enumeration_of_learned_cells(model)
-    assert check_by_engines(model, 60, rng=np.random.default_rng(1)) == 60
+    check_by_engines(model, 60, rng=np.random.default_rng(1))
+
+
+def test_fitted_model_with_a_prior(frame: pd.DataFrame) -> None:
+    """Every gait keeps mass everywhere, so that every answer is a real one."""
+    smoothed = ForwardModel.fit(frame, repertoire(), prior=0.5)
+    check_by_enumeration_of_learned_cells(smoothed)
+    assert check_by_engines(smoothed, 60, rng=np.random.default_rng(2)) == 60
 
 
 def check_by_enumeration_of_learned_cells(model: ForwardModel) -> None:
