@@ -59,7 +59,7 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     for name in ("planner", "arena", *(["theta"] if per_theta else [])):
         table.add_column(name, no_wrap=True)
     # per bearing the paper printed nothing that could stand beside ours
-    beside = () if per_theta else ("paper %", "differs")
+    beside = () if per_theta else ("paper %", "diff")
     for name in ("caught", "success %", "95 % interval", "mean s", *beside):
         table.add_column(name, justify="right", no_wrap=True)
     previous = None
