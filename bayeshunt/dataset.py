@@ -127,12 +127,16 @@ class Batches:
         self.rows: int = self._reader.rows
         self.provenance: dict[str, Any] = self._reader.record or {}
 
-    def __iter__(self) -> Iterator[pd.DataFrame]:
-        """Yield babbling tables with the file's provenance; DataError names the row of the file."""
+    def of(self, gaits: Iterable[str] | None = None) -> Iterator[pd.DataFrame]:
+        """Yield babbling tables with the file's provenance.
+
+        gaits: the names that may stand in the gait column; None allows any.
+        Raises DataError that names the row of the file.
+        """
         first = 0
         for table in self._reader:
             frame = table.to_pandas()
-            validate(frame, source=self._name, first_row=first)
+            validate(frame, gaits, source=self._name, first_row=first)
             frame.attrs[PROVENANCE_KEY] = self.provenance
             first += len(frame)
             yield frame

@@ -74,9 +74,12 @@ class JointCounts:
     def merge(self, other: JointCounts) -> JointCounts:
         """Return the counts of both; equal, bit for bit, to counting all rows at once.
 
-        Raises InputError if the gaits or bins differ, DataError if only one side has path columns.
+        Raises InputError if the gaits or bins differ, DataError if only one side has path columns
+        or if the exact sums would overflow (not below 4e9 rows).
         """
         _check_same_grid(self, other)
+        if np.abs(self.sums).max() + np.abs(other.sums).max() >= 1 << 62:
+            raise DataError("too many rows, or rows too far away, for exact sums")
         if not (self.total and other.total):
             sums = other.sums if other.total else self.sums
         elif self.sums.shape != other.sums.shape:

@@ -92,10 +92,31 @@ class ForwardModel:
         """
         check_hunting(structure)
         model = cls.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
-        model._check_every_gait_seen()
+        return model._fitted(structure)
+
+    @classmethod
+    def from_counts(
+        cls,
+        joint: JointCounts,
+        prior: float = 0.0,
+        *,
+        gait_prior: str = "uniform",
+        structure: str | Structure = "naive",
+        provenance: Mapping[str, Any] | None = None,
+    ) -> ForwardModel:
+        """Learn the tables from counts of rows that need not be in memory: equal to :meth:`fit` of those rows.
+
+        joint: the sufficient statistics, see ``models.streaming.count_files``; the rest as in :meth:`fit`.
+        """
+        check_hunting(structure)
+        return cls(joint, prior, gait_prior, provenance or {})._fitted(structure)
+
+    def _fitted(self, structure: str | Structure) -> ForwardModel:
+        """Return this model with ``structure`` and with its tables confirmed by pgmpy's own fit."""
+        self._check_every_gait_seen()
         if isinstance(structure, str):
-            structure = find_structure(structure, model.joint.table)
-        model = replace(model, structure=structure)
+            structure = find_structure(structure, self.joint.table)
+        model = replace(self, structure=structure)
         fitted = network.fit(model.joint, model.prior, structure)
         network.check_equal(fitted, {**model._effects.local, "Gait": model._empirical_gaits()})
         return model
@@ -262,14 +283,17 @@ class ForwardModel:
         poses = [self._effects.draw(self.axes, gait, draws) for gait in range(len(self.gaits))]
         return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
 
-    def log_likelihood(self, frame: pd.DataFrame) -> float:
+    def log_likelihood(self, rows: pd.DataFrame | JointCounts) -> float:
         """Return sum over rows of log P(Gait) + log P(Distance, Angle, Heading | Gait), natural log.
 
+        rows: a babbling table, or the counts of one.
         -inf if the model gives some row probability 0 (with prior 0: a bin that the gait was never
         seen in; always: beyond the distance axis).
         """
-        dataset.validate(frame, self.gaits.names)
-        seen = JointCounts.of(frame, self.gaits, self.axes)
+        if not isinstance(rows, JointCounts):
+            dataset.validate(rows, self.gaits.names)
+            rows = JointCounts.of(rows, self.gaits, self.axes)
+        seen = rows
         if seen.axes.distance.bins > self.axes.distance.bins:
             return -math.inf
         with np.errstate(divide="ignore"):
