@@ -68,7 +68,8 @@ def read(path: str | os.PathLike[str], *, what: str, mend: str) -> tuple[Any, di
 class Reader:
     """A Parquet file read a row group at a time, with every digest checked on the way.
 
-    record: the record, None if the file has none. rows: number of rows. schema: Arrow's.
+    record: the record, None if the file has none. digests: of its row groups, None if it has none.
+    rows: number of rows. schema: Arrow's.
     """
 
     def __init__(self, path: str | os.PathLike[str], *, what: str, mend: str) -> None:
@@ -83,16 +84,16 @@ class Reader:
             self.rows = int(self._file.metadata.num_rows)
             sealed = (self._file.schema_arrow.metadata or {}).get(KEY)
             self.record: dict[str, Any] | None = None
-            self._digests: list[str] | None = None
+            self.digests: list[str] | None = None
             if sealed is not None:
-                self.record, self._digests = unseal(sealed)
-            if self._digests is not None and len(self._digests) != max(self._file.num_row_groups, 1):
+                self.record, self.digests = unseal(sealed)
+            if self.digests is not None and len(self.digests) != max(self._file.num_row_groups, 1):
                 raise ValueError("row groups are missing")
 
     def __iter__(self) -> Iterator[Any]:
         """Yield Arrow tables of at most ROW_GROUP rows; DataError where one is damaged."""
         with self._reporting():
-            yield from self._plain() if self._digests is None else self._checked(self._digests)
+            yield from self._plain() if self.digests is None else self._checked(self.digests)
 
     def _checked(self, digests: list[str]) -> Iterator[Any]:
         for index in range(self._file.num_row_groups):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -54,15 +54,17 @@ def load_experiment(
     return parse(ExperimentSettings, values, source)
 
 
-def recorded_robot(frame: pd.DataFrame, source: str = "") -> RobotSettings:
+def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") -> RobotSettings:
     """Return the robot that made a babbling table, from the provenance that babbling leaves in it.
 
+    frame: the table, or its provenance record itself.
     source: what starts an error message, for example "babbling.parquet: ". Raises InputError if the
     table does not say, ConfigError if the record is damaged.
     """
     from bayeshunt.dataset import PROVENANCE_KEY
 
-    recorded = frame.attrs.get(PROVENANCE_KEY, {}).get("robot")
+    record = frame if isinstance(frame, Mapping) else frame.attrs.get(PROVENANCE_KEY, {})
+    recorded = record.get("robot")
     if recorded is None:
         raise InputError(f"{source}the table does not say which robot made it; add --robot, or pass its gaits")
     return parse(RobotSettings, recorded, f"{source}provenance: robot")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -18,32 +18,32 @@ def babble(
     robot: Annotated[str, typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.")] = "khepera",
     steps: Annotated[int, typer.Option(help="Number of gaits to execute.")] = 2000,
     seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes for more than 100,000 steps; -1: one per core.")] = -1,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Let a robot execute random gaits and write down where each one took it.
 
+    More than 100,000 steps are babbled in shards by all workers, in bounded memory; the same line after
+    an interruption goes on with the shards that are missing.
+
     Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
     """
-    from bayeshunt import dataset
+    from bayeshunt.experiments.babbling import babble_to_file
     from bayeshunt.views import terminal
-    from bayeshunt.world.babbling import babble as run
 
     check_parent(out)
     with terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
-        frame = run(robot, steps, seed, progress=advance)
-    dataset.save(frame, out)
-    facts = {"out": str(out), "rows": len(frame), "gaits": sorted(frame["gait"].unique()), "seed": seed}
-    tell(
-        facts,
-        as_json,
-        f"{out}: {len(frame)} rows of {frame['gait'].nunique()} gaits; next: bayeshunt fit {out} --out model.json",
-    )
+        gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
+    facts = {"out": str(out), "rows": steps, "gaits": gaits, "seed": seed}
+    tell(facts, as_json, f"{out}: {steps} rows of {len(gaits)} gaits; next: bayeshunt fit {out} --out model.json")
 
 
 @app.command()
 def fit(
-    data: Annotated[Path, typer.Argument(help="Babbling table made by bayeshunt babble.", show_default=False)],
+    data: Annotated[
+        list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
+    ],
     out: Annotated[Path, typer.Option(help="Model file (JSON) to write.")],
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
     xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
@@ -52,27 +52,34 @@ def fit(
         str, typer.Option(help="naive (the paper), tan, joint or learned: what depends on what; see assess.")
     ] = "naive",
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Fit the network Gait -> Distance, Angle, Heading to a babbling table.
+    """Fit the network Gait -> Distance, Angle, Heading to one or more babbling tables of any size.
 
     Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif
     """
-    from bayeshunt import dataset
     from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.streaming import count_tables, open_tables
+    from bayeshunt.settings import load_robot, recorded_robot
+    from bayeshunt.views import terminal
 
     check_parent(out)
-    frame = dataset.load(data)
-    model = ForwardModel.fit(frame, _gaits_of(frame, robot, str(data)), prior=prior, structure=structure)
+    tables = open_tables(data)
+    maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
+    rows = sum(table.rows for table in tables)
+    with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
+        joint, provenance = count_tables(tables, maker.gaits, progress=advance)
+    model = ForwardModel.from_counts(joint, prior, structure=structure, provenance=provenance)
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)
     facts = {
-        "out": str(out), "rows": len(frame), "prior": prior, "log_likelihood": model.log_likelihood(frame),
+        "out": str(out), "rows": rows, "prior": prior, "log_likelihood": model.log_likelihood(joint),
         "bins": {axis.name: axis.bins for axis in model.axes},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
-    tell(facts, as_json, f"{out}: {len(frame)} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
+    tell(facts, as_json, f"{out}: {rows} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
 
 
 @app.command()
@@ -104,10 +111,3 @@ def query(
     from bayeshunt.views import terminal
 
     terminal.posterior_bars(answer)
-
-
-def _gaits_of(frame: Any, robot: str | None, source: str) -> Any:
-    """The repertoire of a babbling table: the robot given, or the one in its provenance."""
-    from bayeshunt.settings import load_robot, recorded_robot
-
-    return (recorded_robot(frame, f"{source}: ") if robot is None else load_robot(robot)).gaits

@@ -18,8 +18,9 @@ class FolderLock:
     is gone at once.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, hint: str = "wait until it has ended") -> None:
+        """``hint``: what the error advises the one who comes second."""
+        self._folder, self._hint = folder, hint
         self._connection: sqlite3.Connection | None = None
 
     def __enter__(self) -> FolderLock:
@@ -31,8 +32,7 @@ class FolderLock:
             self.__exit__()
             if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_BUSY:
                 raise FolderInUseError(
-                    f"{self._folder}: another process is hunting in this folder; "
-                    f"watch it with: bayeshunt status {self._folder}"
+                    f"{self._folder}: another process is at work in this folder; {self._hint}"
                 ) from None
             raise BayesHuntError(f"{self._folder}: cannot be locked ({error})") from None
         return self

@@ -81,7 +81,7 @@ def evaluate(
         database = None
         if out is not None:
             folder = check_output_folder(out)
-            stack.enter_context(FolderLock(folder))
+            stack.enter_context(FolderLock(folder, f"watch it with: bayeshunt status {folder}"))
             given = None if model is None else fingerprint(model_files.dumps(model))
             asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))

@@ -39,8 +39,8 @@ def babble(
     Raises InputError if ``steps`` or ``seed`` is not a whole number in range.
     """
     robot = load_robot(robot)
-    _check_whole(steps, "steps", 1)
-    _check_whole(seed, "seed", 0)
+    check_whole(steps, "steps", 1)
+    check_whole(seed, "seed", 0)
     physics = physics or PhysicsSettings()
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed]).spawn(2))
     order = _balanced_order(len(robot.gaits), steps, choice)
@@ -52,7 +52,7 @@ def babble(
         executed[row] = _execute(world, drive, physics, robot.gaits[gait].command, counts)
         if progress is not None:
             progress(1)
-    return _table(robot, order, executed, _provenance(robot, physics, steps, seed))
+    return _table(robot, order, executed, provenance(robot, physics, steps, seed))
 
 
 def _execute(
@@ -115,7 +115,8 @@ def _interval_steps(total: int) -> list[int]:
     return np.diff(edges).tolist()
 
 
-def _provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed: int) -> dict[str, Any]:
+def provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed: int) -> dict[str, Any]:
+    """Return the record of what makes a babbling table again."""
     return {
         "kind": "babbling table",
         "robot": robot.model_dump(mode="json"),
@@ -131,6 +132,7 @@ def _provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed
     }
 
 
-def _check_whole(value: Any, name: str, least: int) -> None:
+def check_whole(value: Any, name: str, least: int) -> None:
+    """Raise InputError unless ``value`` is a whole number of at least ``least``."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
         raise InputError(f"{name}: expected a whole number of at least {least}, got {value!r}")
