@@ -106,7 +106,7 @@ def compare_orders(model: ForwardModel, situations: list[Situation], seed: int) 
 def time_decisions(model: ForwardModel, situations: list[Situation], seed: int) -> list[dict[str, Any]]:
     """One row per planner: the distribution of one decision's time [us] and the cost of making it."""
     rows = []
-    for name in planner_names():
+    for name in planner_names(standalone=True):
         start = time.perf_counter()
         planner = make_planner(name, model)
         made = time.perf_counter() - start

@@ -11,6 +11,7 @@ from bayeshunt.cli import learning  # noqa: F401  isort: skip
 from bayeshunt.cli import hunts  # noqa: F401  isort: skip
 from bayeshunt.cli import experiments  # noqa: F401  isort: skip
 from bayeshunt.cli import report  # noqa: F401  isort: skip
+from bayeshunt.cli import prepared  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.errors import BayesHuntError, InputError

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Config, Json, Model, Preset, Quiet, Seed, check_names
+from bayeshunt.cli.options import Config, Json, Model, Overrides, Preset, Quiet, Seed, check_names, parse_overrides
 
 
 @app.command()
@@ -20,6 +20,7 @@ def evaluate(
     model: Model = None,
     preset: Preset = "paper",
     config: Config = None,
+    overrides: Overrides = None,
     planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
     arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
     runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
@@ -44,9 +45,10 @@ def evaluate(
     """
     from bayeshunt.experiments import runner, store
     from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
-    settings = runner.experiment_settings(config or preset, runs)
+    settings = runner.experiment_settings(load_experiment(config or preset, parse_overrides(overrides)), runs)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)
     forward = None if model is None else ForwardModel.load(model)

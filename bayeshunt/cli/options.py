@@ -18,6 +18,10 @@ Config = Annotated[
     Path | None,
     typer.Option(help='Your own experiment settings: a TOML file (may start with base = "paper").'),
 ]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Change one setting, e.g. prey.speed=0.04; may be given several times."),
+]
 Model = Annotated[Path | None, typer.Option(help="Forward model made by fit; by default one is babbled and fitted.")]
 
 
@@ -31,6 +35,27 @@ def check_parent(path: Path) -> None:
         raise InputError(f"{path}: is a folder; expected a file name")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
+
+
+def parse_overrides(given: list[str] | None) -> dict[str, Any]:
+    """Return ``KEY=VALUE`` options as settings by dotted key; a value is TOML, or else taken as text."""
+    values: dict[str, Any] = {}
+    for text in given or ():
+        key, equals, value = text.partition("=")
+        if not (key.strip() and equals):
+            raise InputError(f"--set {text}: expected KEY=VALUE, for example --set prey.speed=0.04")
+        values[key.strip()] = toml_value(value.strip())
+    return values
+
+
+def toml_value(text: str) -> Any:
+    """Return ``text`` read as a TOML value (number, true, "text", [list]), or as it is if it is none."""
+    import tomllib
+
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
 
 
 def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | None) -> list[str]:

@@ -21,6 +21,7 @@ class KinematicLimit:
     name = "kinematic_limit"
     needs_future = True
     ab_initio = False
+    standalone = False
 
     def __init__(self, model: ForwardModel) -> None:
         self.gaits = tuple(model.gaits.names)

@@ -36,14 +36,15 @@ class Omniscient:
     name = "omniscient"
     needs_future = True
     ab_initio = False
+    standalone = False
 
     def __init__(
         self,
         model: ForwardModel,
         *,
-        depth: int = 10,
-        max_transitions: int = 2,
-        margin: float = 0.8,
+        depth: int = 4,
+        max_transitions: int = 3,
+        margin: float = 0.9,
         catch_distance: float = 1.02,
     ) -> None:
         check_search("omniscient", depth, max_transitions, margin, catch_distance)

@@ -17,6 +17,7 @@ from bayeshunt.planners.omniscient import Omniscient
 from bayeshunt.planners.predictive import PredictionPlanner
 from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.reactive import ReactivePlanner
+from bayeshunt.planners.reference import Reference
 
 #: Makes a planner from a forward model and settings given by name.
 Factory = Callable[..., Planner]
@@ -47,9 +48,23 @@ def register_planner(name: str, factory: Factory, *, settings: Iterable[str] | N
     _REGISTRY[name] = _Entry(factory, accepted)
 
 
-def planner_names() -> tuple[str, ...]:
-    """Return the names of all registered planners, in order of registration."""
-    return tuple(_REGISTRY)
+def planner_names(*, standalone: bool = False) -> tuple[str, ...]:
+    """Return the names of all registered planners, in order of registration.
+
+    standalone: only those that a forward model alone makes and a situation alone lets decide; the others
+        need a table made beforehand or the prey's future, and say so (``standalone = False``).
+    """
+    return tuple(n for n, e in _REGISTRY.items() if not standalone or getattr(e.factory, "standalone", True))
+
+
+def is_ab_initio(name: str) -> bool:
+    """Return whether a planner learns all it knows within the run (False too for bounds told the future).
+
+    The mark is the attribute ``ab_initio`` of the planner's class; without one, and for a name that is
+    not registered, it is taken to be True.
+    """
+    entry = _REGISTRY.get(name)
+    return entry is None or bool(getattr(entry.factory, "ab_initio", True))
 
 
 def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
@@ -90,3 +105,4 @@ register_planner("proportional_navigation", ProportionalNavigation)
 register_planner("constant_velocity", ConstantVelocity)
 register_planner("omniscient", Omniscient)
 register_planner("kinematic_limit", KinematicLimit)
+register_planner("reference", Reference)

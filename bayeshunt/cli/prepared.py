@@ -1,0 +1,46 @@
+"""reference: a table that a planner needs and that is made beforehand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Config, Json, Overrides, Preset, Quiet, Seed, check_parent, parse_overrides, tell
+
+
+@app.command()
+def reference(
+    out: Annotated[Path, typer.Option(help="Table (.npz) to write.")],
+    preset: Preset = "paper",
+    config: Config = None,
+    overrides: Overrides = None,
+    seed: Seed = 0,
+    samples: Annotated[int, typer.Option(help="Sampled paths per gait.")] = 16,
+    angles: Annotated[int, typer.Option(help="Grid lines per full turn.")] = 72,
+    cache: Annotated[Path | None, typer.Option(help="Folder where tables are kept and found again.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compute the best that the gaits allow against a straight prey (value iteration), for planner reference.
+
+    Example:  bayeshunt reference --out reference.npz;
+    bayeshunt evaluate --planner reference --set planner.reference.table=reference.npz
+    """
+    from bayeshunt.experiments import references
+    from bayeshunt.settings import load_experiment
+    from bayeshunt.views import terminal
+
+    check_parent(out)
+    settings = load_experiment(config or preset, parse_overrides(overrides))
+    expected = len(settings.robot.gait) + references.EXPECTED_SWEEPS
+    with terminal.progress_bar("solving", expected, quiet=quiet or as_json) as advance:
+        table = references.reference(
+            settings, seed=seed, samples=samples, angles=angles, headings=angles, cache=cache, progress=advance
+        )
+    table.save(out)
+    facts = {"out": str(out), "states": int(table.values.size), "digest": table.facts["digest"]}
+    tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: bayeshunt evaluate --planner reference "
+         f"--set planner.reference.table={out}")  # fmt: skip
