@@ -13,6 +13,7 @@ import pandas as pd
 from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import BayesHuntError
 from bayeshunt.gaits import GaitRepertoire
+from bayeshunt.models.cells import CountedCells
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.structures import NAIVE, Structure
 
@@ -60,24 +61,29 @@ def structure(edges: Structure = NAIVE) -> Any:
 def fit(joint: JointCounts, prior: float, edges: Structure = NAIVE) -> Any:
     """Return the network as pgmpy's own estimators fit it to the counted cells.
 
-    Every cell is one row weighted by its count, which is all that the estimators use of the rows.
     P(Gait) comes out as the frequency of each gait in the rows.
+    """
+    return fit_cells(joint.table, state_names(joint.gaits, joint.axes), prior, edges)
+
+
+def fit_cells(table: CountedCells, states: dict[str, list[str]], prior: float, edges: Structure) -> Any:
+    """Return the network of ``edges`` as pgmpy's own estimators fit it to the counts of ``table``.
+
+    Every cell is one row weighted by its count, which is all that the estimators use of the rows.
     """
     from pgmpy.parameter_estimator import DiscreteBayesianEstimator, DiscreteMLE
 
     # State names are always given: pgmpy would drop unseen states and count what it saw.
-    states = state_names(joint.gaits, joint.axes)
+    names = [name for name in table.names if name in (*VARIABLES, *edges.causes)]
+    states = {name: states[name] for name in names}
     if prior > 0:
         estimator = DiscreteBayesianEstimator(prior_type="dirichlet", pseudo_counts=prior, state_names=states)
     else:
         estimator = DiscreteMLE(state_names=states)
     rows = pd.DataFrame(
-        {
-            name: pd.Categorical.from_codes(joint.cells[:, column], categories=pd.Index(states[name]))
-            for column, name in enumerate(VARIABLES)
-        }
+        {name: pd.Categorical.from_codes(table.indices([name])[0], categories=pd.Index(states[name])) for name in names}
     )
-    return structure(edges).fit(rows, estimator=estimator, sample_weight=joint.counts)
+    return structure(edges).fit(rows, estimator=estimator, sample_weight=table.counts)
 
 
 def tables_of(network: Any) -> dict[str, np.ndarray]:
@@ -91,8 +97,9 @@ def check_equal(network: Any, tables: dict[str, np.ndarray]) -> None:
 
     Columns of zeros in ``tables`` are left out: nothing was counted there, so there is nothing to compare.
     """
-    for name, theirs in tables_of(network).items():
-        ours = tables[name].reshape(theirs.shape)
+    for name, values in tables.items():
+        theirs = np.asarray(network.get_cpds(name).get_values())
+        ours = values.reshape(theirs.shape)
         known = ours.any(axis=0)
         if np.abs(theirs - ours)[..., known].max(initial=0.0) > TOLERANCE:
             raise BayesHuntError(f"pgmpy and the counts disagree on the table of {name}; this is a bug")
