@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Model, check_parent, tell
+from bayeshunt.cli.options import Json, Model, Quiet, check_parent, tell
 
 
 @app.command()
@@ -34,3 +33,36 @@ def replay(
     forward = None if model is None else ForwardModel.load(model)
     write_replay(Episode.load(episode), out, model=forward, source=model_option(model))
     tell({"out": str(out), "bytes": out.stat().st_size}, as_json, f"{out}: open it in a browser to play the hunt")
+
+
+@app.command()
+def report(
+    results: Annotated[Path, typer.Argument(help="Folder made by bayeshunt evaluate --out.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Page (HTML) to write.")],
+    model: Model = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a page with the table and figures of an evaluation, and hunts to play.
+
+    The hunts of its gallery are made again from their seeds; without --model the model is learned
+    again from the settings and the seed, as evaluate does.
+
+    Example:  bayeshunt report results --out report.html
+    """
+    from bayeshunt.experiments.store import load_results
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.views import terminal
+    from bayeshunt.views.report import write_report
+
+    check_parent(out)
+    frame = load_results(results)
+    forward = None if model is None else ForwardModel.load(model)
+    total = len(frame[["planner", "arena"]].drop_duplicates())
+    with terminal.progress_bar("replaying", total, quiet=quiet or as_json) as advance:
+        name = None if model is None else str(model)
+        warnings = write_report(frame, out, model=forward, model_path=name, progress=advance)
+    for warning in warnings:
+        terminal.say(f"warning: {warning}")
+    facts = {"out": str(out), "bytes": out.stat().st_size, "hunts": len(frame), "warnings": warnings}
+    tell(facts, as_json, f"{out}: {len(frame)} hunts; open it in a browser")

@@ -46,9 +46,11 @@ def evaluate_command(
 ) -> str:
     """Return the command that makes an evaluation again; ``model`` is the path of the model file if one was used."""
     words = ["bayeshunt", "evaluate", *_experiment(settings)]
-    if list(planners) != list(settings.planners):
+    preset = preset_of(settings)
+    default = settings if preset is None else load_experiment(preset)  # recorded settings may have lost their order
+    if list(planners) != list(default.planners):
         words += [word for name in planners for word in ("--planner", name)]
-    if list(arenas) != list(settings.arenas):
+    if list(arenas) != list(default.arenas):
         words += [word for name in arenas for word in ("--arena", name)]
     words += ["--runs", str(settings.protocol.runs), "--seed", str(seed), *model_option(model), "--out", "results"]
     return shlex.join(words)

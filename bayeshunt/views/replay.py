@@ -49,8 +49,10 @@ def replay_html(episode: Episode, *, model: ForwardModel | None = None, source: 
     )  # fmt: skip
 
 
-def replay_data(episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = ()) -> dict[str, Any]:
-    """Return what the player draws, as plain values for JSON.
+def replay_data(
+    episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = (), every: int = 1
+) -> dict[str, Any]:
+    """Return what the player draws, as plain values for JSON; ``every``: keep each so many-th point of the trail.
 
     World poses are [x, y, theta] in metres and radians counter-clockwise, what the hunter sees is
     [distance, angle, heading], clockwise.
@@ -70,17 +72,19 @@ def replay_data(episode: Episode, *, model: ForwardModel | None = None, source: 
         "outcome": f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
         "radius": [settings.robot.body.diameter / 2, settings.prey.body.diameter / 2],
         "walls": [place.width, place.height] if place.walled else None,
-        "trail": _trail(episode),
+        "trail": _trail(episode, every),
         "steps": steps,
         "note": settings.note,
         "command": hunt_command(settings, planner, arena, theta, seed, source=source),
     }  # fmt: skip
 
 
-def _trail(episode: Episode) -> dict[str, list[Any]]:
+def _trail(episode: Episode, every: int) -> dict[str, list[Any]]:
     """Both robots' poses from the start; 0.1 mm and 0.1 mrad are finer than a screen can show."""
+    kept = np.arange(len(episode.trail)) % every == every - 1
+    kept[-1:] = True  # the end
     names = ["time", *(f"{who}_{k}" for who in ("hunter", "prey") for k in Pose._fields)]
-    trail = pd.concat([episode.frame.iloc[:1][names], episode.trail[names]])
+    trail = pd.concat([episode.frame.iloc[:1][names], episode.trail.loc[kept, names]])
     return {
         "time": [round(t, 4) for t in trail["time"].tolist()],
         **{who: trail[[f"{who}_{k}" for k in Pose._fields]].round(4).to_numpy().tolist() for who in ("hunter", "prey")},

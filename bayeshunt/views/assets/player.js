@@ -495,6 +495,6 @@ function drawScale({ g, ink, view }) {
   g.strokeStyle = ink("field");
   g.lineWidth = 5;
   const label = length < 1 ? `${Math.round(100 * length)} cm` : `${length} m`;
-  g.strokeText(label, 20 + pixels, y + 1);
-  g.fillText(label, 20 + pixels, y + 1);
+  g.strokeText(label, 14, y - 9);
+  g.fillText(label, 14, y - 9);
 }
