@@ -15,10 +15,13 @@ from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError, InputError, ResultsError
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.files import write_text
+from bayeshunt.planners.registry import is_ab_initio
 
 HUNTS_FILE = "hunts.parquet"
 SUMMARY_JSON = "summary.json"
 SUMMARY_MARKDOWN = "summary.md"
+#: What the mark * beside a planner says.
+NOT_AB_INITIO = "Not ab initio: it was given more than it learns within the run (a bound, or earlier experience)."
 _KIND = "results"
 
 
@@ -30,6 +33,7 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
         "note": settings.note,
         "seed": int(seed),
         "version": version("bayeshunt"),
+        "not_ab_initio": sorted(name for name in set(results["planner"]) if not is_ab_initio(name)),
     }
 
 
@@ -102,14 +106,17 @@ def to_markdown(facts: dict[str, Any]) -> str:
     ]
     totals = [row for row in facts["rows"] if row["theta"] is None]
     bearings = [row for row in facts["rows"] if row["theta"] is not None]
-    lines += [_markdown_row(row) for row in [*totals, *bearings]]
+    lines += [_markdown_row(row, facts) for row in [*totals, *bearings]]
+    if facts.get("not_ab_initio"):
+        lines += ["", f"\\* {NOT_AB_INITIO}"]
     return "\n".join(lines) + "\n"
 
 
-def _markdown_row(row: dict[str, Any]) -> str:
+def _markdown_row(row: dict[str, Any], facts: dict[str, Any]) -> str:
+    mark = " \\*" if row["planner"] in facts.get("not_ab_initio", ()) else ""
     theta = "all" if row["theta"] is None else f"{row['theta']:g}"
     paper = "" if row["paper_success"] is None else f"{row['paper_success']:.2%}"
     return (
-        f"| {row['planner']} | {row['arena']} | {theta} | {row['runs']} | {row['caught']} | {row['success']:.2%} "
+        f"| {row['planner']}{mark} | {row['arena']} | {theta} | {row['runs']} | {row['caught']} | {row['success']:.2%} "
         f"| {row['ci_low']:.2%} to {row['ci_high']:.2%} | {row['mean_time_s']:.2f} | {paper} |"
     )

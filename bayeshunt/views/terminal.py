@@ -56,10 +56,13 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
         pad_edge=False,
         padding=(0, 1, 0, 0),
     )
-    for name in ("planner", "arena", *(["theta"] if per_theta else [])):
+    table.add_column("planner", overflow="fold")  # the one that gives way in a narrow terminal
+    for name in ("arena", *(["theta"] if per_theta else [])):
         table.add_column(name, no_wrap=True)
     # per bearing the paper printed nothing that could stand beside ours
-    beside = () if per_theta else ("paper %", "diff")
+    printed = not per_theta and any(row["paper_success"] is not None for row in facts["rows"])
+    beside = ("paper %", "diff") if printed else ()
+    marked = facts.get("not_ab_initio", ())
     for name in ("caught", "success %", "95 % interval", "mean s", *beside):
         table.add_column(name, justify="right", no_wrap=True)
     previous = None
@@ -72,7 +75,8 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
             table.add_section()
         previous = place
         cells = _cells(row)
-        shown = cells[:-2] if per_theta else cells[:2] + cells[3:]
+        cells[0] += " *" if row["planner"] in marked else ""
+        shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
         table.add_row(*shown, style="bold" if total and per_theta else None)
     out.print(table)
     if facts["note"]:
