@@ -89,11 +89,25 @@ def parallel(
 
     with _backend(jobs, scheduler) as options:
         pool = Parallel(**options, return_as="generator_unordered", pre_dispatch="2*n_jobs", batch_size=1)
-        outputs = pool(delayed(call)(item) for item in items)
+        with _interrupts_held_back():
+            outputs = pool(delayed(call)(item) for item in items)
         try:
             yield from outputs
         finally:
             outputs.close()  # also stops workers when the caller has had enough
+
+
+@contextlib.contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Keep Ctrl-C waiting while worker processes start: they inherit the block, and leave it to the parent."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager
@@ -139,7 +153,7 @@ _guarded = False
 
 
 def guard_worker(parent: int) -> None:
-    """In a worker process: leave Ctrl-C to the parent, and end when the parent has died.
+    """In a worker process: end when the parent has died.
 
     parent: process id of the one who started the work. Does nothing in that process itself.
     """
@@ -147,8 +161,6 @@ def guard_worker(parent: int) -> None:
     if _guarded or os.getpid() == parent or os.getppid() != parent:
         return
     _guarded = True
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
