@@ -14,6 +14,7 @@ from bayeshunt.planners.base import Planner
 from bayeshunt.planners.best_first import PlanningSettings, planning
 from bayeshunt.planners.limits import KinematicLimit
 from bayeshunt.planners.omniscient import Omniscient
+from bayeshunt.planners.intercept import InterceptSettings, intercept
 from bayeshunt.planners.predictive import PredictionPlanner
 from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.reactive import ReactivePlanner
@@ -106,3 +107,4 @@ register_planner("constant_velocity", ConstantVelocity)
 register_planner("omniscient", Omniscient)
 register_planner("kinematic_limit", KinematicLimit)
 register_planner("reference", Reference)
+register_planner("intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)])
