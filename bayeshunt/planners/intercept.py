@@ -1,0 +1,177 @@
+"""The interception hunter: the gait that leads to the earliest expected capture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import wrap
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.turns import OwnMotion, TurnModel
+from bayeshunt.planners.base import Plan, Situation, check_request
+from bayeshunt.planners.futures import Futures, turning_futures
+from bayeshunt.planners.lookahead import Chase, Outlook, PairPaths, decide, gait_paths, look_ahead
+
+
+@dataclass(frozen=True)
+class InterceptSettings:
+    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on.
+
+    catch_distance: body lengths between the centres that count as a capture, > 0.
+    spread: body lengths about ``catch_distance`` over which the chance of a capture falls from 1 to 0, > 0.
+    heading_price: what turning towards the prey costs beyond the lookahead, in time-steps per softest
+        full-speed turn, >= 0.
+    prior: before anything is seen, "it moves as fast as I do" (True), or the prey stands still (False).
+    hazard: chance per time-step that the prey turns, believed beforehand, in [0, 1]; 0: it never turns.
+    hazard_steps: how many observed time-steps that belief is worth, > 0.
+    turn_weight: how many observed turns the hunter's own turns are worth as a guess at the prey's, > 0.
+    turn_threshold: a heading change per time-step [rad] from which a motion is a turn, > 0.
+    turn_steps: time-steps ahead in which a turn of the prey is considered, >= 0.
+    """
+
+    catch_distance: float = 1.02
+    spread: float = 0.2
+    heading_price: float = 0.85
+    prior: bool = True
+    hazard: float = 0.1
+    hazard_steps: float = 4.0
+    turn_weight: float = 0.5
+    turn_threshold: float = 0.4
+    turn_steps: int = 4
+
+    def __post_init__(self) -> None:
+        for name in ("catch_distance", "spread", "hazard_steps", "turn_weight", "turn_threshold"):
+            _check_number(name, getattr(self, name), above=0.0)
+        _check_number("heading_price", self.heading_price)
+        _check_number("hazard", self.hazard, most=1.0)
+        if not isinstance(self.prior, bool):
+            raise InputError(f"intercept: prior must be true or false, got {self.prior!r}")
+        steps = self.turn_steps
+        if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
+            raise InputError(f"intercept: turn_steps must be a whole number >= 0, got {steps!r}")
+
+
+def _check_number(name: str, value: Any, *, above: float | None = None, most: float = math.inf) -> None:
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and math.isfinite(value)
+    if not number or value > most or (value <= above if above is not None else value < 0):
+        bound = f"> {above:g}" if above is not None else ">= 0"
+        limit = f" and <= {most:g}" if most < math.inf else ""
+        raise InputError(f"intercept: {name} must be a number {bound}{limit}, got {value!r}")
+
+
+class InterceptPlanner:
+    """Minimises the expected time of the first capture, not the distance at a step's end.
+
+    1. The hunter: the babbled mean part-way poses of every pair of gaits (:class:`PairPaths`),
+       composed once.
+    2. The prey: weighted futures (:func:`turning_futures`) from a :class:`TurnModel` that is learned
+       from the transitions of this hunt: straight on, or one turn in one of the next steps. Its
+       priors come from the hunter's own forward model: the prey goes as fast as the fastest straight
+       gait, and turns by what the hunter's own gaits turn by.
+    3. Both steps: P(captured by t) at every part-way pose, hence the expected time of capture.
+    4. Beyond: the time in which the hunter, heading straight for the meeting point at top speed, would
+       meet the prey, and a price for the turns that this takes (:class:`Chase`).
+    5. The second gait may depend on whether the prey was seen to turn in the first step.
+
+    Everything is learned within the hunt and by babbling; ``rng`` is not used. ``prey_known`` is
+    False until a transition has been seen. ``plan.trace`` has one row per sequence of at most two gaits.
+    """
+
+    name = "intercept"
+
+    def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None) -> None:
+        self.settings = chosen = InterceptSettings() if settings is None else settings
+        self.gaits = tuple(model.gaits.names)
+        self.time_step, body = model.gaits.duration, model.gaits.body_length
+        own = OwnMotion.of(model, chosen.turn_threshold)
+        if not own.top_speed > 0:
+            raise InputError("intercept: no gait of the forward model moves the hunter")
+        self.pairs = PairPaths.compile(gait_paths(model), self.time_step)
+        price = chosen.heading_price * self.time_step / own.softest_turn
+        self.chase = Chase(own.top_speed / self.time_step, chosen.catch_distance * body, price)
+        self.spread = chosen.spread * body
+        self.prior = TurnModel(
+            prior_speed=own.top_speed,
+            prior_turns=own.turns,
+            prior_hazard=chosen.hazard,
+            prior_steps=chosen.hazard_steps,
+            turn_weight=chosen.turn_weight,
+            threshold=chosen.turn_threshold,
+        )
+
+    def prey(self, situation: Situation) -> TurnModel:
+        """Return what is known of the prey: the prior and the transitions seen so far."""
+        return self.prior.learn(situation.transitions)
+
+    def futures(self, situation: Situation) -> Futures:
+        """Return the prey's weighted futures, as the hunter sees them now."""
+        known = self.prey(situation)
+        futures = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
+        if self.settings.prior or situation.transitions:
+            return futures
+        return futures.standing_still()
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the pair of gaits of the earliest expected capture; ties go to the first in table order."""
+        check_request(situation, rng)
+        futures = self.futures(situation)
+        outlook = look_ahead(self.pairs, futures, self.chase, self.spread)
+        values, pair_values = decide(outlook, futures)
+        first = int(values.argmin())
+        second = int(pair_values[first].argmin())
+        ahead = futures.mean_path(np.array([1.0, 2.0]) * self.time_step)
+        return Plan(
+            gait=self.gaits[first],
+            gaits=(self.gaits[first], self.gaits[second]),
+            value=float(values[first]),
+            objective="expected time to the capture [s]",
+            nodes=1 + len(values) + pair_values.size,
+            make_trace=partial(_trace, self.gaits, self.pairs, futures, outlook, (first, second)),
+            expansions=1 + len(values),
+            prey_known=bool(situation.transitions),
+            predicted_prey=ahead,
+        )
+
+
+def _trace(
+    gaits: tuple[str, ...], pairs: PairPaths, futures: Futures, outlook: Outlook, chosen: tuple[int, int]
+) -> pd.DataFrame:
+    """One row per sequence: the root, then every first gait, then every pair.
+
+    T; gaits; gait; hunter_* (mean pose at T); value_s (expected time of capture; of a first gait: with
+    the best second one for what is then seen); capture_probability (by the end of step T).
+    """
+    values, pair_values = decide(outlook, futures)
+    count = len(gaits)
+    first, second = np.repeat(np.arange(count), count), np.tile(np.arange(count), count)
+    x, y, heading = (
+        np.concatenate([[0.0], one, two.ravel()]) for one, two in zip(pairs.first_end, pairs.end, strict=True)
+    )
+    picked = np.concatenate([[True], np.arange(count) == chosen[0], (first == chosen[0]) & (second == chosen[1])])
+    chance = [outlook.caught_first @ futures.weights, (outlook.caught @ futures.weights).ravel()]
+    return pd.DataFrame(
+        {
+            "node": np.arange(1 + count + count * count),
+            "parent": np.concatenate([[-1], np.zeros(count, dtype=int), 1 + first]),
+            "T": np.concatenate([[0], np.ones(count, dtype=int), np.full(count * count, 2)]),
+            "gaits": ["", *gaits, *(f"{gaits[i]}, {gaits[j]}" for i, j in zip(first, second, strict=True))],
+            "gait": ["", *gaits, *(gaits[j] for j in second)],
+            "hunter_forward": x,
+            "hunter_right": y,
+            "hunter_heading": np.asarray(wrap(heading)),
+            "value_s": np.concatenate([[values.min()], values, pair_values.ravel()]),
+            "capture_probability": np.concatenate([[0.0], *chance]),
+            "chosen": picked,
+        }
+    )
+
+
+def intercept(model: ForwardModel, **settings: Any) -> InterceptPlanner:
+    """Return an interception hunter; ``settings`` are the fields of :class:`InterceptSettings`."""
+    return InterceptPlanner(model, InterceptSettings(**settings))
