@@ -12,9 +12,9 @@ from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
 from bayeshunt.planners.best_first import PlanningSettings, planning
+from bayeshunt.planners.intercept import InterceptSettings, intercept
 from bayeshunt.planners.limits import KinematicLimit
 from bayeshunt.planners.omniscient import Omniscient
-from bayeshunt.planners.intercept import InterceptSettings, intercept
 from bayeshunt.planners.predictive import PredictionPlanner
 from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.reactive import ReactivePlanner
