@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
@@ -23,6 +24,7 @@ Output = TypeVar("Output")
 
 #: A cluster of worker processes started on this machine for the time of the work.
 LOCAL = "local"
+_PATIENCE = 10  # seconds to wait for a scheduler's answer
 _FRUITLESS = 3  # pools that may die in a row without finishing anything
 
 
@@ -94,7 +96,9 @@ def parallel(
         try:
             yield from outputs
         finally:
-            outputs.close()  # also stops workers when the caller has had enough
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # joblib says how many calls were cancelled: that was the wish
+                outputs.close()  # also stops workers when the caller has had enough
 
 
 @contextlib.contextmanager
@@ -122,7 +126,7 @@ def _backend(jobs: int, scheduler: str | None) -> Iterator[dict[str, Any]]:
     with contextlib.ExitStack() as stack:
         address = scheduler if scheduler != LOCAL else stack.enter_context(_local_cluster(jobs))
         try:
-            client = stack.enter_context(Client(address, timeout=10, set_as_default=False))
+            client = stack.enter_context(Client(address, timeout=_PATIENCE, set_as_default=False))
         except (OSError, ValueError) as error:
             reason = (str(error).splitlines() or [type(error).__name__])[0]
             raise InputError(f"scheduler {scheduler}: no dask scheduler answers there ({reason})") from None

@@ -1,0 +1,124 @@
+"""Sealed Parquet files: damage is noticed, foreign files are read, files of any size are streamed."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from bayeshunt import dataset, sealed
+from bayeshunt.errors import DataError, InputError
+from bayeshunt.gaits import GaitRepertoire
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.streaming import count_tables, open_tables
+
+
+def reader(path):
+    return sealed.Reader(path, what="a table", mend="make it again")
+
+
+def test_the_digest_is_of_the_values_not_of_their_layout():
+    table = pa.table({"a": [1.0, 2.0, 3.0], "b": ["x", None, "x"]})
+    chunked = pa.concat_tables([table.slice(0, 1), table.slice(1)])
+    encoded = table.set_column(1, "b", table.column("b").dictionary_encode())
+    assert sealed.digest(table) == sealed.digest(chunked) == sealed.digest(encoded)
+    others = [
+        table.set_column(0, "a", pa.array([1.0, 2.0, np.nextafter(3.0, 4.0)])),
+        table.set_column(1, "b", pa.array(["x", "x", None])),
+        table.set_column(1, "b", pa.array(["x", "", "x"])),
+        table.rename_columns(["a", "c"]),
+        table.slice(0, 2),
+    ]
+    assert len({sealed.digest(other) for other in [table, *others]}) == len(others) + 1
+
+
+def test_an_altered_record_is_noticed():
+    text = sealed.seal({"seed": 0}, ["d"])
+    assert sealed.unseal(text) == ({"seed": 0}, ["d"])
+    with pytest.raises(ValueError, match="checksum"):
+        sealed.unseal(text.replace(b'"seed": 0', b'"seed": 1'))
+    with pytest.raises(ValueError, match="checksum"):
+        sealed.unseal(text.replace(b'"d"', b'"e"'))
+
+
+def test_content_that_does_not_fit_its_digest_is_refused(tmp_path):
+    table = pa.table({"a": [1.0, 2.0]})
+    path = tmp_path / "t.parquet"
+    sealed.write_groups(table.schema, iter([table]), ["0" * 64], {}, path)
+    with pytest.raises(DataError, match="row group 0 does not match its checksum"):
+        list(reader(path))
+
+
+def test_missing_row_groups_are_noticed(tmp_path):
+    table = pa.table({"a": [1.0, 2.0]})
+    path = tmp_path / "t.parquet"
+    sealed.write_groups(table.schema, iter([table]), [sealed.digest(table)] * 2, {}, path)
+    with pytest.raises(DataError, match="row groups are missing"):
+        reader(path)
+
+
+@pytest.mark.parametrize("metadata", [{}, {sealed.KEY: json.dumps({"seed": 1}).encode()}])
+def test_files_of_others_are_read_as_they_are(tmp_path, metadata):
+    table = pa.table({"a": [1.0, 2.0]}).replace_schema_metadata(metadata)
+    pq.write_table(table, tmp_path / "t.parquet")
+    found, record = sealed.read(tmp_path / "t.parquet", what="a table", mend="")
+    assert found.column("a").to_pylist() == [1.0, 2.0]
+    assert record == ({"seed": 1} if metadata else None)
+
+
+@pytest.fixture
+def pieces(khepera_frame, tmp_path, monkeypatch):
+    """The 400 rows as one file of four row groups, and as three files."""
+    monkeypatch.setattr(sealed, "ROW_GROUP", 100)
+    whole = tmp_path / "whole.parquet"
+    dataset.save(khepera_frame, whole)
+    cuts = [khepera_frame.iloc[a:b] for a, b in ((0, 37), (37, 250), (250, 400))]
+    paths = []
+    for number, cut in enumerate(cuts):
+        paths.append(tmp_path / f"{number}.parquet")
+        cut.attrs = {dataset.PROVENANCE_KEY: {"part": number}}
+        dataset.save(cut, paths[-1])
+    return whole, paths
+
+
+def test_batches_are_small_and_add_up(pieces, khepera_frame):
+    batches = list(dataset.Batches(pieces[0]).of())
+    assert [len(batch) for batch in batches] == [100] * 4
+    assert pd.concat(batches).reset_index(drop=True).equals(dataset.load(pieces[0]))
+
+
+def test_the_fit_of_parts_in_any_order_is_the_fit_of_the_whole(pieces, khepera_model, tmp_path):
+    whole, parts = pieces
+    gaits = khepera_model.gaits
+    saved = []
+    for paths in ([whole], parts, parts[::-1], [parts[1], parts[2], parts[0]]):
+        seen = []
+        counts, provenance = count_tables(open_tables(paths), gaits, progress=seen.append)
+        model = ForwardModel.from_counts(counts, provenance=provenance)
+        assert model == khepera_model
+        assert sum(seen) == 400
+        assert model.log_likelihood(counts) == khepera_model.log_likelihood(khepera_model.data[0])
+        model.save(tmp_path / "m.json")
+        saved.append((tmp_path / "m.json").read_bytes())
+    assert saved[1] == saved[2] == saved[3]
+
+
+def test_a_wrong_row_is_named_by_its_place_in_the_file(tmp_path, khepera_frame, monkeypatch):
+    monkeypatch.setattr(sealed, "ROW_GROUP", 100)
+    wrong = khepera_frame.copy()
+    wrong.loc[321, "distance"] = -1.0
+    dataset.save(wrong, tmp_path / "t.parquet")
+    with pytest.raises(DataError, match=r"t\.parquet: row 321: distance is -1\.0"):
+        count_tables(open_tables([tmp_path / "t.parquet"]), GaitRepertoire.of(khepera_frame["gait"].unique()))
+
+
+def test_tables_that_do_not_belong_together_are_refused(tmp_path, khepera_frame):
+    paths = [tmp_path / "a.parquet", tmp_path / "b.parquet"]
+    for path, robot in zip(paths, ("one", "two"), strict=True):
+        dataset.save(khepera_frame, path, {"robot": {"name": robot}})
+    with pytest.raises(InputError, match="another robot"):
+        open_tables(paths)
+    with pytest.raises(InputError, match="given twice"):
+        open_tables([paths[0], paths[0]])
