@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from bayeshunt.planners.base import Plan, Situation
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.settings import load_experiment, load_robot
+    from bayeshunt.views.explorer import Explorer
+    from bayeshunt.views.replay import write_replay
+    from bayeshunt.views.report import write_report
     from bayeshunt.world.babbling import babble
     from bayeshunt.world.prey import register_prey
 
@@ -81,6 +84,9 @@ _HOMES = {
     "babble": ("bayeshunt.world.babbling", "babble"),
     "register_prey": ("bayeshunt.world.prey", "register_prey"),
     "hunt": ("bayeshunt.hunting", "hunt"),
+    "Explorer": ("bayeshunt.views.explorer", "Explorer"),
+    "write_replay": ("bayeshunt.views.replay", "write_replay"),
+    "write_report": ("bayeshunt.views.report", "write_report"),
 }
 
 # Models, plans and episodes show themselves; only the package knows which room draws them.
