@@ -140,6 +140,30 @@ def settings_table(rows: list[dict[str, Any]]) -> None:
     out.print(table)
 
 
+def sweep_table(frame: Any) -> None:
+    """Print a sweep: one row per point, planner and arena."""
+    axes = frame.attrs["axes"]
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
+                  title=f"{frame.attrs['experiment']}, seed {frame.attrs['seed']}")  # fmt: skip
+    for name in (*axes, "planner", "arena"):
+        table.add_column(name, overflow="fold")
+    for name in ("caught", "success %", "95 % interval", "mean s"):
+        table.add_column(name, justify="right", no_wrap=True)
+    previous = None
+    for row in frame.to_dict("records"):
+        point = [row[name] for name in axes]
+        if previous is not None and point != previous:
+            table.add_section()
+        previous = point
+        shown = [f"{v:g}" if isinstance(v, float) else str(v) for v in point]
+        cells = _cells({**row, "theta": None, "paper_success": None})
+        table.add_row(*shown, *cells[:2], *cells[3:7])
+    out.print(table)
+    if frame.attrs["note"]:
+        out.print(Text(frame.attrs["note"], style="italic"))
+    out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+
+
 def _cells(row: dict[str, Any]) -> list[str]:
     paper = row["paper_success"]
     return [

@@ -1,0 +1,142 @@
+"""sweep: what the results owe to a setting."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Config, Json, Overrides, Preset, Quiet, Seed, check_names, parse_overrides, toml_value
+from bayeshunt.errors import ConfigError, InputError
+
+
+@app.command()
+def sweep(
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(help="What to vary: speed_ratio, gait_duration, noise, babbling_steps, gaits, max_transitions "
+                     "or a key such as prey.speed; NAME, or NAME=VALUE,VALUE,... May be given several times."),
+    ] = None,
+    grid: Annotated[Path | None, typer.Option(help="Your own grid: a TOML file with NAME = [VALUES].")] = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    overrides: Overrides = None,
+    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
+    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
+    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the table, the figure and every hunt; the same line goes on.")
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:  # fmt: skip
+    """Vary settings and show success and catch time with their intervals, as a table and a figure.
+
+    Example:  bayeshunt sweep --axis speed_ratio --arena open --runs 20 --out speed
+    --planner prediction --planner planning --planner kinematic_limit
+    """
+    from bayeshunt.experiments import runner, store
+    from bayeshunt.experiments.sweep import at_point, combinations
+    from bayeshunt.experiments.sweep import sweep as run
+    from bayeshunt.settings import load_experiment
+    from bayeshunt.views import terminal
+
+    settings = load_experiment(config or preset, parse_overrides(overrides))
+    planners = check_names(settings, planner, arena)
+    runner.check_jobs(jobs)
+    chosen = _grid(axis, grid)
+    points = [at_point(settings, values, runs) for values in combinations(chosen)]
+    if out is not None:
+        store.check_output_folder(out)
+    total = (
+        sum(len(p.protocol.thetas) * p.protocol.runs for p in points) * len(planners) * len(arena or settings.arenas)
+    )
+    with terminal.progress_bar("sweeping", total, quiet=quiet or as_json) as advance:
+        frame = run(
+            settings, chosen, runs=runs, seed=seed, jobs=jobs, planners=planners, arenas=arena, out=out,
+            progress=advance,
+        )  # fmt: skip
+    files = [] if out is None else _write(frame, out)
+    if as_json:
+        typer.echo(json.dumps(_facts(frame, files)))
+        return
+    terminal.sweep_table(frame)
+    for path in files:
+        terminal.say(f"{path}")
+
+
+def _grid(axes: list[str] | None, path: Path | None) -> dict[str, Any]:
+    """The grid of the options: ``--axis`` after what stands in the file."""
+    from bayeshunt.experiments.sweep import AXES
+
+    grid: dict[str, Any] = {} if path is None else _read(path)
+    for text in axes or ():
+        name, equals, values = text.partition("=")
+        if equals:
+            listed = (
+                toml_value(values) if values.startswith("[") else [toml_value(v.strip()) for v in values.split(",")]
+            )
+            grid[name.strip()] = listed
+        elif name in AXES:
+            grid[name] = list(AXES[name][1])
+        else:
+            raise InputError(f"--axis {text}: expected one of {', '.join(AXES)}, or NAME=VALUE,VALUE,...")
+    return grid or {"speed_ratio": list(AXES["speed_ratio"][1])}
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Read a grid: ``NAME = [VALUES]``; a dotted name may be quoted or not."""
+    import tomllib
+
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(f"{path}: not valid TOML: {error}") from None
+    grid = dict(_flatten(values, ""))
+    for name, listed in grid.items():
+        if not isinstance(listed, list):
+            raise ConfigError(f"{path}: {name}: expected a list of values, got {listed!r}")
+    return grid
+
+
+def _flatten(values: dict[str, Any], prefix: str) -> Any:
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _flatten(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def _facts(frame: Any, files: list[Path]) -> dict[str, Any]:
+    from importlib.metadata import version
+
+    return {
+        "rows": json.loads(frame.to_json(orient="records", double_precision=15)),
+        **frame.attrs,
+        "version": version("bayeshunt"),
+        "files": [str(path) for path in files],
+    }
+
+
+def _write(frame: Any, folder: Path) -> list[Path]:
+    """Write sweep.csv, sweep.json and, where it can be read, the figure."""
+    from bayeshunt.files import write_text
+    from bayeshunt.views import terminal
+    from bayeshunt.views.figures_style import save
+    from bayeshunt.views.figures_sweep import sweep_figure
+
+    files = [folder / "sweep.csv", folder / "sweep.json"]
+    write_text(files[0], frame.to_csv(index=False))
+    write_text(files[1], json.dumps(_facts(frame, []), indent=1) + "\n")
+    try:
+        files += save(sweep_figure(frame), folder, "sweep")
+    except InputError as error:
+        terminal.say(f"no figure: {error}")
+    return files
