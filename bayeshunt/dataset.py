@@ -78,9 +78,11 @@ def discretise(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes) -> 
     position = {name: index for index, name in enumerate(gaits.names)}
     if (seen < 0).any() or any(name not in position for name in names):
         validate(frame, gaits.names)
-    codes = np.array([position[name] for name in names], dtype=np.int64)[seen]
-    indices = [axis.index(frame[axis.name.lower()].to_numpy(dtype=float)) for axis in axes]
-    return np.column_stack([codes, *indices])
+    indices = np.empty((4, len(frame)), dtype=np.int64)  # a variable after the other: they are used one at a time
+    indices[0] = np.array([position[name] for name in names], dtype=np.int64)[seen]
+    for row, axis in enumerate(axes, start=1):
+        indices[row] = axis.index(frame[axis.name.lower()].to_numpy(dtype=float))
+    return indices.T
 
 
 def save(frame: pd.DataFrame, path: str | os.PathLike[str], provenance: dict[str, Any] | None = None) -> None:

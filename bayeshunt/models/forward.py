@@ -140,7 +140,7 @@ class ForwardModel:
 
         Raises DataError if ``rows`` is not a babbling table of these gaits.
         """
-        dataset.validate(rows, self.gaits.names)
+        dataset.validate(rows)  # counting checks the gaits
         joint = self.joint.merge(JointCounts.of(rows, self.gaits, self.axes))
         sources = list(self.provenance.get("sources", []))
         record = rows.attrs.get(dataset.PROVENANCE_KEY)

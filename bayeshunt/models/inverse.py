@@ -70,8 +70,7 @@ class InverseModel:
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
         d_bins = d / self._distance_width
         ring = int(d_bins * RINGS) if d_bins < self._distance_bins else self._finder.far_ring(d_bins)
-        a_bins = _PI - (_PI - a) % _TWO_PI
-        a_bins = ((a_bins if a_bins > -_PI else _PI) - self._angle_edge) / self._angle_width
+        a_bins = ((a if -_PI < a <= _PI else wrap(a)) - self._angle_edge) / self._angle_width
         source, snapped = (self._rings[ring] or self._build(ring))[_floor(a_bins * SECTORS)]
         if source is None:
             source, snapped = self._finder.settle(snapped, d, d * math.cos(a), d * math.sin(a)), True
