@@ -54,6 +54,7 @@ def fold(title: str, *content: Any, open_: bool = False) -> Html:
 def table(columns: Sequence[str], rows: Iterable[Html], *, class_: str | None = None) -> Html:
     """Return a scrolling table with a sticky header; ``rows`` are ``<tr>`` elements."""
     head = tag("thead", tag("tr", *(tag("th", name, scope="col") for name in columns)))
+    # Focusable, so that the keyboard scrolls it.
     return tag("div", tag("table", head, tag("tbody", *rows), class_=class_), class_="bh-scroll", tabindex="0")
 
 

@@ -22,7 +22,7 @@ _EXPLAINED = (
 
 def forward_model(model: ForwardModel) -> Html:
     """Return the network with its marginals, and every table."""
-    title = "Forward model: Gait → Distance, Angle, Heading"
+    title = f"Forward model: {model.structure.describe()}"
     sources = len(model.provenance.get("sources", []))
     pairs = [
         ("gaits", len(model.gaits)),
@@ -57,10 +57,7 @@ def posterior(answer: Posterior) -> Html:
     parts = [posterior_facts(answer), bars(dict(zip(answer.source.gaits, answer.values, strict=True)), answer.best)]
     if len(answer.source.gaits) > 1:
         parts.append(fold("What each variable said", explanation(answer), tag("div", _EXPLAINED, class_="bh-note")))
-    cell = answer.cell
-    bins = dict(zip(EFFECTS, (cell.distance_bin, cell.angle_bin, cell.heading_bin), strict=True))
-    observed = {name: index for name, index in bins.items() if index is not None}
-    parts.append(fold("The network given this evidence", svg_network.network(answer.model, answer.values, observed)))
+    parts.append(fold("The network given this evidence", svg_network.network(answer.model, answer)))
     return card(title, f"most probable: {answer.best}", *parts)
 
 

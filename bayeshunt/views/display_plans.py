@@ -35,7 +35,7 @@ def plan(shown: Plan) -> Html:
         pairs.append(("support", f"{shown.support} babbling rows"))
     known = "the prey model was used" if shown.prey_known else "the prey model was not used"
     where = svg_map.plan_map(shown)
-    return card(f"Plan: {shown.gait}", known, facts(pairs), where, alternatives(shown))
+    return card(f"Plan: {shown.gait}", known, facts(pairs), tag("div", where, alternatives(shown), class_="bh-two"))
 
 
 def alternatives(shown: Plan) -> Html:
@@ -108,8 +108,13 @@ def episode(shown: Episode) -> Html:
     pairs += [("decisions", len(shown.frame)), ("changes of gait", changes)]
     objective = shown.frame["objective"].iloc[0] if len(shown.frame) else ""
     note = tag("div", f"value: {objective}; moves seen: prey transitions learned before the decision", class_="bh-note")
-    body = tag("div", svg_map.episode_map(shown), tag("div", _decisions(shown.frame), note), class_="bh-two")
-    return card(f"Hunt: {ending}", "", facts(pairs), body)
+    body = tag("div", svg_map.episode_map(shown), _decisions(shown.frame), class_="bh-two")
+    return card(f"Hunt: {ending}", _where(shown), facts(pairs), body, note)
+
+
+def _where(shown: Episode) -> str:
+    """Which settings a hunt was made with."""
+    return f"settings {shown.provenance.get('settings', {}).get('name', 'unknown')!r}"
 
 
 def _decisions(frame: pd.DataFrame) -> Html:

@@ -34,7 +34,7 @@ def heat_table(shown: ProbabilityTable) -> Html:
     rows = []
     for i in kept:
         cells = [
-            _cell(shown, (labels[i], columns[j]), *(a[i, j] for a in arrays), totals[j], top)
+            _cell(shown, (labels[i], columns[j]), tuple(float(a[i, j]) for a in arrays), totals[j], top)
             for j in range(len(columns))
         ]
         rows.append(row(labels[i], cells))
@@ -45,9 +45,8 @@ def heat_table(shown: ProbabilityTable) -> Html:
     return tag("div", switch, body, note, class_="bh-table")
 
 
-def _cell(
-    shown: ProbabilityTable, place: tuple[str, str], p: float, n: int, low: float, high: float, total: int, top: float
-) -> Html:
+def _cell(shown: ProbabilityTable, place: tuple[str, str], numbers: tuple[float, ...], total: int, top: float) -> Html:
+    p, n, low, high = numbers
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
     column = f" | {place[1]}" if shown.variable != "Gait" else ""
     percent = f"{100 * shown.level:g} %"

@@ -28,7 +28,7 @@ def forward_model(model: ForwardModel) -> str:
     """Return a row per gait: rows, mean outcome, and its three columns as sparklines."""
     prior = f"prior {model.prior:g}" if model.prior else "maximum likelihood"
     head = [
-        "Forward model: Gait -> Distance, Angle, Heading",
+        f"Forward model: {model.structure.describe()}",
         f"{len(model.gaits)} gaits, {model.joint.total} rows, {prior}, P(Gait) {model.gait_prior}",
         "",
     ]
@@ -78,14 +78,21 @@ def posterior(answer: Posterior) -> str:
 
 
 def probability_table(shown: ProbabilityTable) -> str:
-    """Return the probabilities; bins that no row fell into are left out, zeros are dots."""
+    """Return the probabilities of the bins that rows fell into; zeros are dots."""
     values, counts = shown.probability.to_numpy(), shown.count.to_numpy()
-    kept = np.flatnonzero(counts.any(axis=1) | (len(counts) <= _MOST_ROWS))[:_MOST_ROWS]
+    kept = np.flatnonzero(counts.any(axis=1))[:_MOST_ROWS]
     labels = list(shown.probability.index)
     rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i]), str(counts[i].sum())] for i in kept]
     lines = align([shown.variable, *map(clean, shown.probability.columns), "rows"], rows)
     left = len(labels) - len(kept)
-    return "\n".join([shown.name, "", *lines, *([f"({left} more bins)"] if left else [])])
+    return "\n".join(
+        [
+            shown.name,
+            "",
+            *lines,
+            *([f"({left} more bins, {counts.sum() - counts[kept].sum()} rows in them)"] if left else []),
+        ]
+    )
 
 
 def prey_model(prey: PreyModel) -> str:

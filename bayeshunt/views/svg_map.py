@@ -32,9 +32,10 @@ class Window(NamedTuple):
         across, up = np.asarray(across, dtype=float), np.asarray(up, dtype=float)
         wide, tall = max(np.ptp(across), least), max(np.ptp(up), least)
         scale = (size - 2 * _MARGIN) / max(wide, tall)
-        left = (across.min() + across.max() - wide) / 2
+        width = max(wide * scale + 2 * _MARGIN, 270.0)
+        left = (across.min() + across.max()) / 2 - (width / 2 - _MARGIN) / scale
         top = (up.min() + up.max() + tall) / 2
-        return cls(left, top, scale, max(wide * scale + 2 * _MARGIN, 150.0), tall * scale + 2 * _MARGIN + 14)
+        return cls(left, top, scale, width, tall * scale + 2 * _MARGIN + 14)
 
     def at(self, across: float, up: float) -> tuple[float, float]:
         """Pixels of a point."""
@@ -42,7 +43,7 @@ class Window(NamedTuple):
 
     def ruler(self) -> Html:
         """A scale bar of a round length, at the bottom."""
-        reach = 0.35 * (self.width - 2 * _MARGIN) / self.scale
+        reach = 0.3 * (self.width - 2 * _MARGIN) / self.scale
         power = 10.0 ** math.floor(math.log10(reach))
         length = max(step * power for step in (1, 2, 5) if step * power <= reach)
         y, end = self.height - 8, _MARGIN + length * self.scale
@@ -119,8 +120,9 @@ def inverse_map(inverse: InverseModel) -> Html:
     axes, names = inverse.model.axes, inverse.model.gaits.names
     table = inverse.table()
     best = table[list(names)].to_numpy().argmax(axis=1)
-    reach = float(axes.distance.edges[-1])
-    window = Window.around([-reach, reach], [-reach, reach], size=380)
+    outer = table["distance"] + axes.distance.width
+    right, ahead = outer * np.sin(table["angle"]), outer * np.cos(table["angle"])
+    window = Window.around([0.0, *right], [0.0, *ahead], size=420)
     parts = []
     for distance, angle, support, gait in zip(table["distance"], table["angle"], table["support"], best, strict=True):
         hint = f"{distance * 1000:.0f} mm, {math.degrees(angle):.0f} deg: {names[gait]}, {support} rows"
@@ -148,7 +150,7 @@ def _sector(window: Window, distance: float, angle: float, width: float, turn: f
     corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
                ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"
-    return tag("path", tag("title", hint), d=path, fill=colour)
+    return tag("path", tag("title", hint), d=path, fill=colour, stroke=svg.LINE, stroke_width=0.7)
 
 
 def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
 from bayeshunt.axes import EFFECTS, Axis
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.posterior import Posterior
 from bayeshunt.views import svg
 from bayeshunt.views.display_html import Html, tag
 
@@ -16,40 +16,64 @@ _WIDTH = 720
 _NODE = (292, 96)  # width and height of an effect's node
 _GAP = 18
 _LEFT = 282  # width of the Gait node
+_RIGHT = _WIDTH - _NODE[0] - 20  # where the effects' nodes start
 _ROW = 16  # height of a gait's bar
 _MOST_GAITS = 16
 _MOST_BARS = 120
 
 
-def marginals(model: ForwardModel, posterior: np.ndarray | None = None) -> dict[str, np.ndarray]:
-    """Return the distribution of every variable, "Gait" [G] and effects [K]: ``P(v) = sum_g P(g) P(v | g)``.
-
-    posterior: P(Gait | evidence) [G]; default P(Gait).
-    """
-    gait = model.probabilities("Gait") if posterior is None else posterior
+def marginals(model: ForwardModel) -> dict[str, np.ndarray]:
+    """Return the distribution of every variable, "Gait" [G] and effects [K]: ``P(v) = sum_g P(g) P(v | g)``."""
+    gait = model.probabilities("Gait")
     return {"Gait": gait, **{effect: model.probabilities(effect) @ gait for effect in EFFECTS}}
 
 
-def network(
-    model: ForwardModel, posterior: np.ndarray | None = None, observed: Mapping[str, int] | None = None
-) -> Html:
-    """Return the network with the marginals of its variables, or with their posteriors.
+def posteriors(answer: Posterior) -> dict[str, np.ndarray]:
+    """Return P(Gait | evidence) [G] and, where the heading was not observed, P(Heading | evidence) [K]."""
+    cell, model = answer.cell, answer.model
+    if cell.heading_bin is not None:
+        return {"Gait": answer.values}
+    joint = model.evidence(cell.distance_bin, cell.angle_bin, np.arange(model.axes.heading.bins)).sum(axis=1)
+    return {"Gait": answer.values, "Heading": joint / joint.sum()}
 
-    posterior: P(Gait | evidence) [G]. observed: bin of each observed effect; its node is marked.
-    """
-    shares, seen = marginals(model, posterior), dict(observed or {})
+
+def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
+    """Return the network with the marginals of its variables, or with their posteriors given an answer's evidence."""
+    shares, seen = marginals(model), {}
+    if answer is not None:
+        shares |= posteriors(answer)
+        bins = zip(EFFECTS, (answer.cell.distance_bin, answer.cell.angle_bin, answer.cell.heading_bin), strict=True)
+        seen = {effect: index for effect, index in bins if index is not None}
     shown = min(len(model.gaits), _MOST_GAITS)
     left_height = 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
     right_height = 3 * _NODE[1] + 2 * _GAP
     height = max(left_height, right_height) + 4
     top = (height - left_height) / 2
-    parts = [_gait_node(model, shares["Gait"], top, left_height, posterior is not None)]
+    parts = [_gait_node(model, shares["Gait"], top, left_height, answer is not None)]
     first = (height - right_height) / 2
     for place, effect in enumerate(EFFECTS):
         y = first + place * (_NODE[1] + _GAP)
-        parts.append(svg.arrow(_LEFT + 4, height / 2, _WIDTH - _NODE[0] - 4, y + _NODE[1] / 2))
+        if "Gait" in model.structure.parents(effect):
+            parts.append(svg.arrow(_LEFT + 4, height / 2, _RIGHT - 4, y + _NODE[1] / 2))
+        parts += [_link(EFFECTS.index(p), place, first) for p in model.structure.parents(effect) if p in EFFECTS]
         parts.append(_effect_node(model.axes[effect], shares[effect], seen.get(effect), y))
-    return svg.drawing(_WIDTH, height, *parts, label="Gait causes Distance, Angle and Heading; bars are probabilities")
+    return svg.drawing(_WIDTH, height, *parts, label=f"{model.structure.describe()}; bars are probabilities")
+
+
+def _link(parent: int, child: int, first: float) -> Html:
+    """An edge between two effects, along their right side where they are not neighbours."""
+    step, (width, height) = _NODE[1] + _GAP, _NODE
+    down = child > parent
+    if abs(parent - child) == 1:
+        start, end = first + parent * step + (height if down else 0), first + child * step + (0 if down else height)
+        return svg.arrow(_RIGHT + width / 2, start, _RIGHT + width / 2, end)
+    x, (start, end) = _RIGHT + width, (first + place * step + height / 2 for place in (parent, child))
+    bend = svg.line(
+        [(x, start), (x + 14, start + (8 if down else -8)), (x + 14, end - (8 if down else -8))],
+        stroke=svg.FAINT,
+        stroke_width="1.4",
+    )
+    return tag("g", bend, svg.arrow(x + 14, end - (8 if down else -8), x + 1, end))
 
 
 def _frame(x: float, y: float, width: float, height: float, name: str, note: str, marked: bool) -> list[Html]:
@@ -80,7 +104,7 @@ def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: floa
 
 
 def _effect_node(axis: Axis, shares: np.ndarray, observed: int | None, y: float) -> Html:
-    x, (width, height) = _WIDTH - _NODE[0] - 2, _NODE
+    x, (width, height) = _RIGHT, _NODE
     note = f"highest {shares.max():.3f}" if observed is None else f"observed: {axis.labels[observed]}"
     parts = _frame(x, y, width, height, axis.name, note, observed is not None)
     parts += _bars(axis, shares, observed, x + 12, y + 28, width - 24, height - 48)

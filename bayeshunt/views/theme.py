@@ -39,7 +39,8 @@ _RULES = """
 .bh svg{display:block;max-width:100%;height:auto}
 .bh svg text{fill:var(--bh-ink);font:12px system-ui,-apple-system,"Segoe UI",Roboto,sans-serif}
 .bh svg .bh-faint{fill:var(--bh-faint)}
-.bh .bh-scroll{overflow:auto;max-height:25em;border:1px solid var(--bh-line);border-radius:6px}
+.bh .bh-scroll{overflow:auto;max-height:26em;width:fit-content;max-width:100%;
+ border:1px solid var(--bh-line);border-radius:6px}
 .bh table{border-collapse:separate;border-spacing:0;margin:0;font-size:12px;font-variant-numeric:tabular-nums;
  color:var(--bh-ink);background:var(--bh-paper);border:0;table-layout:auto}
 .bh th,.bh td{padding:2px 8px;text-align:right;white-space:nowrap;border:0;
@@ -72,6 +73,7 @@ _RULES = """
 .bh tr.bh-lit .bh-bar{background:var(--bh-accent)}
 .bh .bh-track{width:220px}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
+.bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}
 .bh .bh-tree .bh-leaf{margin:0 0 0 18px;padding:1px 6px 1px 20px;border-left:1px solid var(--bh-line)}
 .bh .bh-tree summary{padding:1px 6px}
