@@ -35,9 +35,11 @@ if TYPE_CHECKING:
     from bayeshunt.gaits import Gait, GaitRepertoire
     from bayeshunt.geometry import Polar, Pose, wrap
     from bayeshunt.hunting import hunt
+    from bayeshunt.models.assess import Assessment, assess
     from bayeshunt.models.forward import ForwardModel
     from bayeshunt.models.inverse import InverseModel
     from bayeshunt.models.prey import PreyModel
+    from bayeshunt.models.structures import Structure
     from bayeshunt.planners.base import Plan, Situation
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.settings import load_experiment, load_robot
@@ -75,8 +77,10 @@ _HOMES = {
     **{name: ("bayeshunt.experiments.store", name) for name in ("load_results", "save_results")},
     **{name: ("bayeshunt.gaits", name) for name in ("Gait", "GaitRepertoire")},
     **{name: ("bayeshunt.geometry", name) for name in ("Polar", "Pose", "wrap")},
+    **{name: ("bayeshunt.models.assess", name) for name in ("Assessment", "assess")},
     "ForwardModel": ("bayeshunt.models.forward", "ForwardModel"),
     "InverseModel": ("bayeshunt.models.inverse", "InverseModel"),
+    "Structure": ("bayeshunt.models.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.prey", "PreyModel"),
     **{name: ("bayeshunt.planners.base", name) for name in ("Plan", "Situation")},
     **{name: ("bayeshunt.planners.registry", name) for name in ("make_planner", "planner_names", "register_planner")},
