@@ -15,12 +15,12 @@ from bayeshunt.models.turns import TurnModel
 
 @dataclass(frozen=True, eq=False)
 class Futures:
-    """Weighted prey paths in the hunter's present frame; the prey keeps one speed on all its legs.
+    """Weighted prey paths in the hunter's present frame; in each, the prey keeps its speed on all legs.
 
     weights: [K], sum to 1.
     starts: seconds from now at which each leg begins, increasing, the first 0, inf where there is none [K, B].
     forward, right: metres, where each leg begins [K, B]. heading: radians clockwise, its direction [K, B].
-    speed: metres per second.
+    speed: metres per second [K].
     groups: int [K], 0..M-1; futures of one group cannot be told apart at the next decision.
     foreseen: whether the hunter can know of a leg before it begins (a wall that it knows of).
     """
@@ -30,7 +30,7 @@ class Futures:
     forward: np.ndarray
     right: np.ndarray
     heading: np.ndarray
-    speed: float
+    speed: np.ndarray
     groups: np.ndarray
     foreseen: bool = False
 
@@ -40,15 +40,15 @@ class Futures:
         begin, x, y, heading = (
             np.take_along_axis(a, leg, axis=1) for a in (self.starts, self.forward, self.right, self.heading)
         )
-        run = self.speed * (times - begin)
+        run = self.speed[:, None] * (times - begin)
         return x + run * np.cos(heading), y + run * np.sin(heading)
 
     def standing_still(self) -> Futures:
         """Return these futures for a prey that does not move."""
         still = [np.repeat(a[:, :1], a.shape[1], axis=1) for a in (self.forward, self.right)]
-        return replace(self, forward=still[0], right=still[1], speed=0.0)
+        return replace(self, forward=still[0], right=still[1], speed=np.zeros(len(self.speed)))
 
-    def mean_path(self, times: np.ndarray) -> Polar:
+    def likeliest(self, times: np.ndarray) -> Polar:
         """Return the most probable path at ``times`` [s, J], the present pose first: Polar of arrays [J + 1]."""
         best = int(self.weights.argmax())
         when = np.concatenate([[0.0], times])
@@ -81,6 +81,6 @@ def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int)
         forward=np.stack([np.full(len(when), x), x + run * np.cos(heading)], axis=1),
         right=np.stack([np.full(len(when), y), y + run * np.sin(heading)], axis=1),
         heading=np.stack([np.full(len(when), heading), turned], axis=1),
-        speed=speed,
+        speed=np.full(len(when), speed),
         groups=groups,
     )

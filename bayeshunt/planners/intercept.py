@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.errors import InputError
-from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.turns import OwnMotion, TurnModel
 from bayeshunt.planners.base import Plan, Situation, check_request
 from bayeshunt.planners.futures import Futures, turning_futures
-from bayeshunt.planners.lookahead import Chase, Outlook, PairPaths, decide, gait_paths, look_ahead
+from bayeshunt.planners.homing import Homing
+from bayeshunt.planners.pairs import PairPlanner
 
 
 @dataclass(frozen=True)
@@ -65,37 +63,32 @@ def _check_number(name: str, value: Any, *, above: float | None = None, most: fl
         raise InputError(f"intercept: {name} must be a number {bound}{limit}, got {value!r}")
 
 
-class InterceptPlanner:
+class InterceptPlanner(PairPlanner):
     """Minimises the expected time of the first capture, not the distance at a step's end.
 
-    1. The hunter: the babbled mean part-way poses of every pair of gaits (:class:`PairPaths`),
-       composed once.
-    2. The prey: weighted futures (:func:`turning_futures`) from a :class:`TurnModel` that is learned
-       from the transitions of this hunt: straight on, or one turn in one of the next steps. Its
-       priors come from the hunter's own forward model: the prey goes as fast as the fastest straight
-       gait, and turns by what the hunter's own gaits turn by.
+    1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once.
+    2. The prey: weighted futures from a :class:`TurnModel` that is learned from the transitions of
+       this hunt: straight on, or one turn in one of the next steps. Its priors come from the hunter's
+       own forward model: the prey goes as fast as the fastest straight gait, and turns by what the
+       hunter's own gaits turn by.
     3. Both steps: P(captured by t) at every part-way pose, hence the expected time of capture.
-    4. Beyond: the time in which the hunter, heading straight for the meeting point at top speed, would
-       meet the prey, and a price for the turns that this takes (:class:`Chase`).
+    4. Beyond them: the time in which the hunter, heading straight for the meeting point at top speed,
+       would meet the prey, and a price for the turns that this takes (:class:`Homing`).
     5. The second gait may depend on whether the prey was seen to turn in the first step.
 
-    Everything is learned within the hunt and by babbling; ``rng`` is not used. ``prey_known`` is
-    False until a transition has been seen. ``plan.trace`` has one row per sequence of at most two gaits.
+    Everything is learned by babbling and within the hunt; ``rng`` is not used.
     """
 
     name = "intercept"
 
     def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None) -> None:
         self.settings = chosen = InterceptSettings() if settings is None else settings
-        self.gaits = tuple(model.gaits.names)
-        self.time_step, body = model.gaits.duration, model.gaits.body_length
         own = OwnMotion.of(model, chosen.turn_threshold)
         if not own.top_speed > 0:
-            raise InputError("intercept: no gait of the forward model moves the hunter")
-        self.pairs = PairPaths.compile(gait_paths(model), self.time_step)
-        price = chosen.heading_price * self.time_step / own.softest_turn
-        self.chase = Chase(own.top_speed / self.time_step, chosen.catch_distance * body, price)
-        self.spread = chosen.spread * body
+            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
+        step, body = model.gaits.duration, model.gaits.body_length
+        price = chosen.heading_price * step / own.softest_turn
+        super().__init__(model, Homing(own.top_speed / step, chosen.catch_distance * body, price), chosen.spread * body)
         self.prior = TurnModel(
             prior_speed=own.top_speed,
             prior_turns=own.turns,
@@ -113,63 +106,12 @@ class InterceptPlanner:
         """Return the prey's weighted futures, as the hunter sees them now."""
         known = self.prey(situation)
         futures = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
-        if self.settings.prior or situation.transitions:
-            return futures
-        return futures.standing_still()
+        return futures if self.settings.prior or situation.transitions else futures.standing_still()
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
-        """Return the pair of gaits of the earliest expected capture; ties go to the first in table order."""
+        """Return the pair of gaits of the earliest expected capture."""
         check_request(situation, rng)
-        futures = self.futures(situation)
-        outlook = look_ahead(self.pairs, futures, self.chase, self.spread)
-        values, pair_values = decide(outlook, futures)
-        first = int(values.argmin())
-        second = int(pair_values[first].argmin())
-        ahead = futures.mean_path(np.array([1.0, 2.0]) * self.time_step)
-        return Plan(
-            gait=self.gaits[first],
-            gaits=(self.gaits[first], self.gaits[second]),
-            value=float(values[first]),
-            objective="expected time to the capture [s]",
-            nodes=1 + len(values) + pair_values.size,
-            make_trace=partial(_trace, self.gaits, self.pairs, futures, outlook, (first, second)),
-            expansions=1 + len(values),
-            prey_known=bool(situation.transitions),
-            predicted_prey=ahead,
-        )
-
-
-def _trace(
-    gaits: tuple[str, ...], pairs: PairPaths, futures: Futures, outlook: Outlook, chosen: tuple[int, int]
-) -> pd.DataFrame:
-    """One row per sequence: the root, then every first gait, then every pair.
-
-    T; gaits; gait; hunter_* (mean pose at T); value_s (expected time of capture; of a first gait: with
-    the best second one for what is then seen); capture_probability (by the end of step T).
-    """
-    values, pair_values = decide(outlook, futures)
-    count = len(gaits)
-    first, second = np.repeat(np.arange(count), count), np.tile(np.arange(count), count)
-    x, y, heading = (
-        np.concatenate([[0.0], one, two.ravel()]) for one, two in zip(pairs.first_end, pairs.end, strict=True)
-    )
-    picked = np.concatenate([[True], np.arange(count) == chosen[0], (first == chosen[0]) & (second == chosen[1])])
-    chance = [outlook.caught_first @ futures.weights, (outlook.caught @ futures.weights).ravel()]
-    return pd.DataFrame(
-        {
-            "node": np.arange(1 + count + count * count),
-            "parent": np.concatenate([[-1], np.zeros(count, dtype=int), 1 + first]),
-            "T": np.concatenate([[0], np.ones(count, dtype=int), np.full(count * count, 2)]),
-            "gaits": ["", *gaits, *(f"{gaits[i]}, {gaits[j]}" for i, j in zip(first, second, strict=True))],
-            "gait": ["", *gaits, *(gaits[j] for j in second)],
-            "hunter_forward": x,
-            "hunter_right": y,
-            "hunter_heading": np.asarray(wrap(heading)),
-            "value_s": np.concatenate([[values.min()], values, pair_values.ravel()]),
-            "capture_probability": np.concatenate([[0.0], *chance]),
-            "chosen": picked,
-        }
-    )
+        return self.choose(situation, self.pairs, self.futures(situation))
 
 
 def intercept(model: ForwardModel, **settings: Any) -> InterceptPlanner:

@@ -1,22 +1,18 @@
-"""Two time-steps ahead, part-way poses included, and an estimate of what remains after them.
+"""Two time-steps ahead, part-way poses included: when would each pair of gaits first meet the prey?
 
-Letters: G gaits, P part-way poses of a gait, K prey futures, M groups of futures.
+Letters: G gaits, P part-way poses of a gait, K prey futures, S hunter outcomes (K of them, or one
+for all futures), M groups of futures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.futures import Futures
-
-#: A prey faster than this share of the hunter's top speed is taken to go at this share beyond the
-#: lookahead: it might never be met, and then a longer chase must still cost more than a shorter one.
-_CHASE_SHARE = 0.9
+from bayeshunt.planners.homing import Homing
 
 
 def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
@@ -41,11 +37,11 @@ def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class PairPaths:
-    """The mean poses of every pair of gaits, composed once; they do not depend on the situation.
+    """The poses of every pair of gaits, composed once; they do not depend on the situation.
 
-    times: seconds, of the first and the second step [2 P].
-    first: forward and right, metres [2, G, P]. second: the same after a first gait [2, G, G, P].
-    first_end, end: forward, right, heading (not wrapped) at the steps' ends [3, G] and [3, G, G].
+    times: seconds, part-way through the first and the second step [2 P].
+    first: forward and right, metres [2, G, P, S]. second: the same after a first gait [2, G, G, P, S].
+    first_end, end: forward, right, heading (not wrapped) at the steps' ends [3, G, S] and [3, G, G, S].
     """
 
     times: np.ndarray
@@ -55,148 +51,70 @@ class PairPaths:
     end: np.ndarray
 
     @classmethod
-    def compile(cls, paths: np.ndarray, time_step: float) -> PairPaths:
-        """Compose mean paths [G, P, 3] with themselves; ``time_step`` in seconds."""
-        points = paths.shape[1]
-        x, y, heading = np.moveaxis(paths, -1, 0)
-        cos, sin = np.cos(heading[:, -1, None, None]), np.sin(heading[:, -1, None, None])
-        second = np.stack([x[:, -1, None, None] + cos * x - sin * y, y[:, -1, None, None] + sin * x + cos * y])
-        turned = heading[:, -1, None] + heading[:, -1]
+    def compile(cls, first: np.ndarray, second: np.ndarray, time_step: float) -> PairPaths:
+        """Compose the paths of a first and of a second step, both [3, G, P, S]; ``time_step`` in seconds."""
+        points = first.shape[2]
+        start = first[:, :, None, None, -1]  # [3, G, 1, 1, S]
+        cos, sin = np.cos(start[2]), np.sin(start[2])
+        x = start[0] + cos * second[0] - sin * second[1]
+        y = start[1] + sin * second[0] + cos * second[1]
+        heading = first[2, :, None, -1] + second[2, None, :, -1]
+        end = np.stack([x[..., -1, :], y[..., -1, :], heading])
         times = np.arange(1, 2 * points + 1) * (time_step / points)
-        end = np.concatenate([second[..., -1], turned[None]])
-        return cls(times, np.stack([x, y]), second, paths[:, -1].T.copy(), end)
+        return cls(times, first[:2].copy(), np.stack([x, y]), first[:, :, -1].copy(), end)
 
-
-@dataclass(frozen=True)
-class Chase:
-    """The estimate of the time from the end of the lookahead to the capture.
-
-    top_speed: m/s, of the hunter. reach: metres, the distance that is a capture.
-    heading_price: seconds for each radian between the hunter's heading and the way to the meeting point.
-    """
-
-    top_speed: float
-    reach: float
-    heading_price: float
-
-    def time(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        """Return the estimated seconds from ``start`` [s from now] to the capture, [G, G, K].
-
-        end: the hunter's poses at ``start``, [3, G, G]. It heads straight, at top speed, for the
-        point where it meets the prey; every change of heading costs ``heading_price``. A foreseen
-        path is met where it leads; otherwise the hunter believes in the prey's present leg until
-        the next one begins.
-        """
-        return self._foreseen(end, futures, start) if futures.foreseen else self._surprised(end, futures, start)
-
-    def _foreseen(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        x, y, heading = (a[..., None] for a in end)
-        best = np.full(np.broadcast_shapes(x.shape, futures.weights.shape), np.inf)
-        for leg, over in _legs(futures):
-            ahead, right = _position(futures, leg, start)
-            wait = futures.starts[:, leg] - start
-            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.speed)
-            cost = np.maximum(time, wait) + self._turning(to_x, to_y, heading)
-            # The gap to what the hunter can reach only shrinks, so the first leg with a meeting is the one.
-            best = np.where(np.isinf(best) & (time <= over - start), cost, best)
-        return best
-
-    def _surprised(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        x, y, heading = (a[..., None] for a in end)
-        clock = np.full(np.broadcast_shapes(x.shape, futures.weights.shape), start)
-        price, met = np.zeros(clock.shape), np.zeros(clock.shape, dtype=bool)
-        for leg, over in _legs(futures):
-            ahead, right = _position(futures, leg, clock)
-            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.speed)
-            chasing = ~met & (over > clock)
-            run = np.where(chasing, np.minimum(time, over - clock), 0.0)
-            price = price + np.where(chasing, self._turning(to_x, to_y, heading), 0.0)
-            met = met | (chasing & (clock + time <= over))
-            if leg + 1 < futures.starts.shape[1]:
-                way = np.where(chasing, np.arctan2(to_y, to_x), heading)
-                x, y = x + self.top_speed * run * np.cos(way), y + self.top_speed * run * np.sin(way)
-                heading = way
-            clock = clock + run
-        return clock - start + price
-
-    def _meet(self, ahead: np.ndarray, right: np.ndarray, heading: np.ndarray, speed: float) -> tuple[np.ndarray, ...]:
-        """Return the time [s] at which the prey, now at (ahead, right) of the hunter, can be met, and where it is then.
-
-        ``|q + v u t| = reach + V t``, with v < V: one root t > 0; 0 if the prey is within reach.
-        """
-        v = min(speed, _CHASE_SHARE * self.top_speed)
-        ux, uy = v * np.cos(heading), v * np.sin(heading)
-        a = self.top_speed**2 - v**2
-        b = self.reach * self.top_speed - (ahead * ux + right * uy)
-        c = np.minimum(self.reach**2 - (ahead * ahead + right * right), 0.0)
-        time = np.where(c < 0.0, (np.sqrt(b * b - a * c) - b) / a, 0.0)
-        return time, ahead + ux * time, right + uy * time
-
-    def _turning(self, ahead: np.ndarray, right: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """Return the price [s] of turning from ``heading`` to the direction of (ahead, right)."""
-        return self.heading_price * np.abs(wrap(np.arctan2(right, ahead) - heading))
-
-
-def _legs(futures: Futures) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield the number of each leg and when it is over [s from now, K]."""
-    count = futures.starts.shape[1]
-    for leg in range(count):
-        yield leg, futures.starts[:, leg + 1] if leg + 1 < count else np.full(len(futures.starts), np.inf)
-
-
-def _position(futures: Futures, leg: int, time: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the leg's line is at ``time`` [s from now]; a leg that never begins is at its start."""
-    begin = futures.starts[:, leg]
-    run = futures.speed * (time - np.where(np.isfinite(begin), begin, time))
-    heading = futures.heading[:, leg]
-    return futures.forward[:, leg] + run * np.cos(heading), futures.right[:, leg] + run * np.sin(heading)
+    @classmethod
+    def mean(cls, model: ForwardModel) -> PairPaths:
+        """Return the pairs of the mean paths: S = 1."""
+        paths = np.moveaxis(gait_paths(model), -1, 0)[..., None]
+        return cls.compile(paths, paths, model.gaits.duration)
 
 
 @dataclass(frozen=True, eq=False)
 class Outlook:
-    """What a pair of gaits is expected to bring in each future.
+    """What every sequence of one or two gaits is expected to bring in each future.
 
-    caught: P(captured by the end of the first and of the second step), [G, K] and [G, G, K].
-    time: expected seconds to the capture [G, G, K].
+    first, second: P(captured by t) part-way through the first step [G, P, K] and the second [G, G, P, K].
+    time: expected seconds to the capture of each pair [G, G, K].
     """
 
-    caught_first: np.ndarray
-    caught: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
     time: np.ndarray
 
 
-def look_ahead(pairs: PairPaths, futures: Futures, chase: Chase, ramp: float) -> Outlook:
+def look_ahead(pairs: PairPaths, futures: Futures, homing: Homing, spread: float) -> Outlook:
     """Value every pair of gaits in every future.
 
-    ``E[time] = integral of 1 - P(captured by t) over both steps + (1 - P(captured)) chase time``.
+    ``E[time] = integral of 1 - P(captured by t) over both steps + (1 - P(captured)) homing time``.
     P(captured by t) is the largest chance so far; the chance falls from 1 to 0 as the distance
-    between the mean poses grows from ``reach - ramp`` to ``reach + ramp`` [m], which stands for the
-    spread of both robots about their means.
+    grows from ``reach - spread`` to ``reach + spread`` [m]. The spread stands for that of both
+    robots about their means; it is 0 for sampled poses.
     """
-    points = pairs.first.shape[-1]
+    points = pairs.first.shape[2]
     forward, right = (a.T for a in futures.at(pairs.times))  # [2 P, K]
-    first = _chance(pairs.first, forward[:points], right[:points], chase.reach, ramp)
-    second = _chance(pairs.second, forward[points:], right[points:], chase.reach, ramp)
+    first = _chance(pairs.first, forward[:points], right[:points], homing.reach, spread)
+    second = _chance(pairs.second, forward[points:], right[points:], homing.reach, spread)
     np.maximum.accumulate(first, axis=-2, out=first)
-    caught_first = first[:, -1]
-    np.maximum(second[:, :, 0], caught_first[:, None], out=second[:, :, 0])
+    np.maximum(second[:, :, 0], first[:, None, -1], out=second[:, :, 0])
     np.maximum.accumulate(second, axis=-2, out=second)
-    caught = second[:, :, -1]
     interval, end = pairs.times[0], pairs.times[-1]
     during = interval * ((points - first.sum(axis=-2))[:, None] + (points - second.sum(axis=-2)))
-    return Outlook(caught_first, caught, during + (1.0 - caught) * chase.time(pairs.end, futures, end))
+    return Outlook(first, second, during + (1.0 - second[:, :, -1]) * homing.time(pairs.end, futures, end))
 
 
-def _chance(hunter: np.ndarray, forward: np.ndarray, right: np.ndarray, reach: float, ramp: float) -> np.ndarray:
-    """Return the chance of being within reach: hunter [2, ..., P] against prey [P, K] gives [..., P, K]."""
-    distance = hunter[0][..., None] - forward
-    across = hunter[1][..., None] - right
-    distance *= distance
+def _chance(hunter: np.ndarray, forward: np.ndarray, right: np.ndarray, reach: float, spread: float) -> np.ndarray:
+    """Return the chance of being within reach: hunter [2, ..., P, S] against prey [P, K] gives [..., P, K]."""
+    square = hunter[0] - forward
+    across = hunter[1] - right
+    square *= square
     across *= across
-    distance += across
-    np.sqrt(distance, out=distance)
-    np.subtract(reach + ramp, distance, out=distance)
-    distance /= 2.0 * ramp
+    square += across
+    if spread == 0.0:
+        return (square <= reach * reach).astype(float)
+    distance = np.sqrt(square, out=square)
+    np.subtract(reach + spread, distance, out=distance)
+    distance /= 2.0 * spread
     return np.clip(distance, 0.0, 1.0, out=distance)
 
 

@@ -11,9 +11,11 @@ from typing import Any
 from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
+from bayeshunt.planners.belief import BeliefSettings, belief
 from bayeshunt.planners.best_first import PlanningSettings, planning
 from bayeshunt.planners.intercept import InterceptSettings, intercept
 from bayeshunt.planners.limits import KinematicLimit
+from bayeshunt.planners.memory import Memory, OrderMemory, PlaceMemory
 from bayeshunt.planners.omniscient import Omniscient
 from bayeshunt.planners.predictive import PredictionPlanner
 from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
@@ -107,4 +109,8 @@ register_planner("constant_velocity", ConstantVelocity)
 register_planner("omniscient", Omniscient)
 register_planner("kinematic_limit", KinematicLimit)
 register_planner("reference", Reference)
+register_planner("memory", Memory)
+register_planner("memory_place", PlaceMemory)
+register_planner("memory_previous", OrderMemory)
 register_planner("intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)])
+register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])
