@@ -1,4 +1,4 @@
-"""reference: a table that a planner needs and that is made beforehand."""
+"""reference, remember: tables that planners need and that are made beforehand."""
 
 from __future__ import annotations
 
@@ -8,7 +8,18 @@ from typing import Annotated
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Config, Json, Overrides, Preset, Quiet, Seed, check_parent, parse_overrides, tell
+from bayeshunt.cli.options import (
+    Config,
+    Json,
+    Overrides,
+    Preset,
+    Quiet,
+    Seed,
+    check_names,
+    check_parent,
+    parse_overrides,
+    tell,
+)
 
 
 @app.command()
@@ -44,3 +55,39 @@ def reference(
     facts = {"out": str(out), "states": int(table.values.size), "digest": table.facts["digest"]}
     tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: bayeshunt evaluate --planner reference "
          f"--set planner.reference.table={out}")  # fmt: skip
+
+
+@app.command()
+def remember(
+    out: Annotated[Path, typer.Option(help="Memory (JSON) to write.")],
+    preset: Preset = "paper",
+    config: Config = None,
+    overrides: Overrides = None,
+    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
+    planner: Annotated[str, typer.Option(help="Who hunts while the prey is watched.")] = "reactive",
+    runs: Annotated[int, typer.Option(help="Training hunts per bearing and arena.")] = 30,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Watch prey in training hunts and keep their transitions, for the planners that remember.
+
+    No evaluation uses the seeds of training hunts, whatever --seed is.
+
+    Example:  bayeshunt remember --out memory.json;
+    bayeshunt evaluate --planner memory_place --set planner.memory_place.tables=memory.json
+    """
+    from bayeshunt.experiments import memories
+    from bayeshunt.settings import load_experiment
+    from bayeshunt.views import terminal
+
+    check_parent(out)
+    settings = load_experiment(config or preset, parse_overrides(overrides))
+    check_names(settings, [planner], arena)
+    total = len(settings.protocol.thetas) * max(runs, 0) * len(arena or settings.arenas)
+    with terminal.progress_bar("watching", total, quiet=quiet or as_json) as advance:
+        memory = memories.remember(settings, arenas=arena, planner=planner, runs=runs, seed=seed, progress=advance)
+    memory.save(out)
+    facts = {"out": str(out), "transitions": memory.observations, **memory.provenance}
+    tell(facts, as_json, f"{out}: {memory.observations} transitions; next: bayeshunt evaluate --planner memory_place "
+         f"--set planner.memory_place.tables={out}")  # fmt: skip
