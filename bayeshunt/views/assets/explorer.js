@@ -112,7 +112,7 @@ function drawField(svg, plane) {
       join(answer);
       const most = answer.outcomes.length ? answer.outcomes[0][2] : 1;
       outcomes.replaceChildren(...answer.outcomes.map(([distance, angle, probability]) =>
-        shape("path", { class: "outcome", d: plane.sector(distance, angle), "fill-opacity": (0.05 + (0.55 * probability) / most).toFixed(3) })));
+        shape("path", { class: "outcome", d: plane.sector(distance, angle), "fill-opacity": (0.1 + (0.6 * probability) / most).toFixed(3) })));
       paths.forEach((group, i) => {
         group.setAttribute("opacity", (0.12 + 0.88 * answer.probabilities[i]).toFixed(3));
         if (group.firstChild) group.firstChild.classList.toggle("best", plane.scene.gaits[i] === answer.best);
