@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from bayeshunt.hunting import hunt
     from bayeshunt.models.assess import Assessment, assess
     from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import read_network as import_network
     from bayeshunt.models.inverse import InverseModel
     from bayeshunt.models.prey import PreyModel
     from bayeshunt.models.structures import Structure
@@ -79,6 +80,7 @@ _HOMES = {
     **{name: ("bayeshunt.geometry", name) for name in ("Polar", "Pose", "wrap")},
     **{name: ("bayeshunt.models.assess", name) for name in ("Assessment", "assess")},
     "ForwardModel": ("bayeshunt.models.forward", "ForwardModel"),
+    "import_network": ("bayeshunt.models.interchange", "read_network"),
     "InverseModel": ("bayeshunt.models.inverse", "InverseModel"),
     "Structure": ("bayeshunt.models.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.prey", "PreyModel"),

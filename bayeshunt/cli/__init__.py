@@ -12,6 +12,7 @@ from bayeshunt.cli import assess  # noqa: F401  isort: skip
 from bayeshunt.cli import hunts  # noqa: F401  isort: skip
 from bayeshunt.cli import experiments  # noqa: F401  isort: skip
 from bayeshunt.cli import report  # noqa: F401  isort: skip
+from bayeshunt.cli import figures  # noqa: F401  isort: skip
 from bayeshunt.cli import sweeps  # noqa: F401  isort: skip
 from bayeshunt.cli import prepared  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -84,21 +85,23 @@ def fit(
 
 @app.command()
 def query(
-    model: Annotated[Path, typer.Argument(help="Model file made by bayeshunt fit.", show_default=False)],
+    model: Annotated[
+        Path, typer.Argument(help="Model file made by bayeshunt fit, or a network (.xmlbif, .bif).", show_default=False)
+    ],
     distance: Annotated[float, typer.Option(help="Distance of the target [m].")],
     angle: Annotated[float, typer.Option(help="Bearing of the target [rad, clockwise].")],
     heading: Annotated[float | None, typer.Option(help="Heading wanted there [rad, clockwise].")] = None,
     no_snap: Annotated[bool, typer.Option("--no-snap", help="Refuse a target that was never babbled.")] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Say what each variable speaks for or against.")] = False,
     as_json: Json = False,
 ) -> None:
     """Ask the inverse model which gait reaches a target: P(Gait | Distance, Angle [, Heading]).
 
     Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
     """
-    from bayeshunt.models.forward import ForwardModel
     from bayeshunt.models.inverse import InverseModel
 
-    answer = InverseModel(ForwardModel.load(model)).posterior(distance, angle, heading, snap=not no_snap)
+    answer = InverseModel(_open(model)).posterior(distance, angle, heading, snap=not no_snap)
     if as_json:
         facts = {
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
@@ -106,8 +109,28 @@ def query(
             "support": int(answer.support), "snapped": bool(answer.snapped),
             "cell": answer.cell._asdict(),
         }  # fmt: skip
+        if explain:
+            facts["explanation"] = _plain(answer.explain())
         typer.echo(json.dumps(facts))
         return
     from bayeshunt.views import terminal
 
     terminal.posterior_bars(answer)
+    if explain:
+        terminal.explanation_table(answer)
+
+
+def _open(path: Path) -> Any:
+    """A forward model from our own model file, or from a network of another program."""
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import KINDS, read_network
+
+    return read_network(path) if path.suffix.lower() in KINDS else ForwardModel.load(path)
+
+
+def _plain(frame: Any) -> dict[str, dict[str, Any]]:
+    """A table as JSON by row; infinities, which JSON lacks, as "inf" and "-inf"."""
+    rows = {str(name): dict(row) for name, row in frame.to_dict("index").items()}
+    return {
+        name: {key: str(v) if v in (math.inf, -math.inf) else v for key, v in row.items()} for name, row in rows.items()
+    }

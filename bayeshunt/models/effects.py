@@ -86,6 +86,13 @@ class IndependentEffects:
     def __init__(self, joint: JointCounts, prior: float) -> None:
         self.local = {e: tables.normalise(joint.marginal(e), prior, name=e) for e in EFFECTS}
 
+    @classmethod
+    def of_tables(cls, local: dict[str, np.ndarray]) -> IndependentEffects:
+        """Return the model of given tables P(effect | Gait) [S, G]."""
+        effects = cls.__new__(cls)
+        effects.local = local
+        return effects
+
     def marginal(self, effect: str) -> np.ndarray:
         """Return P(effect | Gait), [S, G]."""
         return self.local[effect]
@@ -122,9 +129,19 @@ class JointEffects:
 
     def __init__(self, structure: Structure, table: CountedCells, prior: float) -> None:
         _check_cells(structure, table.sizes)
-        self.local = local_tables(structure, table, prior)
-        sizes = dict(zip(table.names, table.sizes, strict=True))
-        self.joint = multiply(structure, self.local, table.names, sizes)  # [G, D, A, H]
+        self._compile(structure, local_tables(structure, table, prior), table.sizes)
+
+    @classmethod
+    def of_tables(cls, structure: Structure, local: dict[str, np.ndarray], sizes: Sequence[int]) -> JointEffects:
+        """Return the model of given tables; ``sizes``: states of Gait, Distance, Angle, Heading."""
+        _check_cells(structure, sizes)
+        effects = cls.__new__(cls)
+        effects._compile(structure, local, sizes)
+        return effects
+
+    def _compile(self, structure: Structure, local: dict[str, np.ndarray], sizes: Sequence[int]) -> None:
+        self.local, names = local, ("Gait", *EFFECTS)
+        self.joint = multiply(structure, local, names, dict(zip(names, sizes, strict=True)))  # [G, D, A, H]
         if np.abs(self.joint.sum(axis=(1, 2, 3)) - 1.0).max() > 1e-9:
             raise ZeroCountError(
                 f"structure {structure.name!r}: a combination of parents is possible that was never seen, "

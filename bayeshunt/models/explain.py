@@ -31,10 +31,11 @@ def explain(model: ForwardModel, answer: Posterior, reference: str = RIVAL) -> p
     gaits, values = model.gaits.names, answer.values
     if len(gaits) < 2:
         raise InputError("there is only one gait, so there is nothing to compare it with")
-    rivals = _rivals(values) if reference == RIVAL else np.full(len(gaits), model.gaits.index(reference))
+    terms = log_terms(model, answer)
+    rivals = _rivals(values, terms) if reference == RIVAL else np.full(len(gaits), model.gaits.index(reference))
     if reference != RIVAL and not values[rivals[0]] > 0:
         raise InputError(f"gait {reference!r} has probability 0 here; compare with {answer.best!r}, or with the rival")
-    parts = {name: _difference(terms, rivals) for name, terms in log_terms(model, answer).items()}
+    parts = {name: _difference(logs, rivals) for name, logs in terms.items()}
     # Computed from the posterior itself, so that the sum of the parts can be checked against it.
     log_odds = _difference(_log(values), rivals)
     index = pd.Index(gaits, name="Gait")
@@ -68,13 +69,18 @@ def _chain_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray
     return terms
 
 
-def _rivals(values: np.ndarray) -> np.ndarray:
-    """Index [G] of the most probable gait other than each gait (ties: first in table order)."""
+def _rivals(values: np.ndarray, terms: dict[str, np.ndarray]) -> np.ndarray:
+    """Index [G] of the most probable gait other than each gait (ties: first in table order).
+
+    Where the others all have probability 0, the rival of the best is the one ruled out by fewest parts.
+    """
     best = int(np.argmax(values))
-    others = values.copy()
-    others[best] = -1.0
+    logs = np.stack(list(terms.values()))  # [parts, G]
+    ruled_out = np.isneginf(logs)
+    rest = np.where(ruled_out, 0.0, logs).sum(axis=0)
+    others = (g for g in range(len(values)) if g != best)
     rivals = np.full(len(values), best)
-    rivals[best] = int(np.argmax(others))
+    rivals[best] = max(others, key=lambda g: (values[g], -ruled_out[:, g].sum(), rest[g]))
     return rivals
 
 

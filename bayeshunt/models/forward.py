@@ -13,6 +13,7 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -150,10 +151,7 @@ class ForwardModel:
         return replace(self, joint=joint, provenance=provenance, data=(*self.data, rows))
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
-        """Return this model with the babbling table that it counted, which a model file does not hold.
-
-        Raises DataError unless ``frame`` holds the very rows: same number, same cells.
-        """
+        """Return this model with the rows that it counted, which no model file holds; DataError for others."""
         model = replace(self, data=(frame,))
         model._counted_rows  # noqa: B018  # checks the rows now, where the caller can see which table is wrong
         return model
@@ -205,8 +203,7 @@ class ForwardModel:
         variable: "Distance", "Angle" or "Heading"; "Gait" then takes a gait as ``bin``.
         bin: label or number of the bin. gait: column of the table; None: the rows of every gait.
 
-        Raises DataError if the model holds no rows (it was loaded from a file: see
-        :meth:`with_data`), InputError for an unknown variable, bin or gait.
+        Raises DataError if the model holds no rows (see :meth:`with_data`), InputError for an unknown name.
         """
         self._check_variable(variable)
         return self._counted_rows.find(self, variable, bin, gait)
@@ -247,6 +244,11 @@ class ForwardModel:
         paths = np.stack([self.joint.mean_poses(gait) for gait in range(len(self.gaits))])
         paths.setflags(write=False)
         return paths
+
+    @property
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: the (Distance, Angle) bins that babbled rows fell into, sorted."""
+        return np.argwhere(self.joint.support > 0)
 
     # --- what will happen ---------------------------------------------------------------------
 
@@ -318,6 +320,12 @@ class ForwardModel:
         from bayeshunt.models import store
 
         return store.load(path)
+
+    def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write every table as CSV, a row per cell with count and interval; see ``models.interchange``."""
+        from bayeshunt.models import interchange
+
+        return interchange.write_csv(self, folder)
 
     def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
         """Export as XMLBIF for other programs, with a map of state labels beside it."""

@@ -30,20 +30,21 @@ _TIE = 1e-9
 class InverseModel:
     """P(Gait | Distance, Angle [, Heading]) of a forward model; immutable.
 
-    Learned coordinates are the (Distance, Angle) cells that babbled rows fell into.
+    Learned coordinates are the (Distance, Angle) cells that babbled rows fell into; in an imported
+    network, which has no rows, the cells of positive probability.
     Letters: M learned coordinates, G gaits.
 
     Raises ZeroCountError if the forward model has counted nothing.
     """
 
     def __init__(self, model: ForwardModel) -> None:
-        if not model.joint.total:
+        self._cells = model.learned_cells  # [M, 2], sorted
+        if not len(self._cells):
             raise ZeroCountError("the forward model has counted nothing, so it has no inverse; babble first")
         self.model = model
         distance, angle, _ = model.axes
         self._distance_width, self._distance_bins = distance.width, distance.bins
         self._angle_width, self._angle_edge = angle.width, angle.edges[0].item()
-        self._cells = np.argwhere(model.joint.support > 0)  # [M, 2], sorted
         self._values, self._evidence = self._compile()
         self._sources = [self._source(row) for row in range(len(self._cells))]
         self._finder = CellFinder(distance, angle, self._cells, self._sources)

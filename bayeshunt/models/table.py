@@ -15,15 +15,15 @@ class ProbabilityTable:
 
     variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
     probability: columns sum to 1. count: the rows behind each probability.
-    low, high: bounds of each cell's Dirichlet credible interval at ``level``.
+    low, high: bounds of each cell's Dirichlet credible interval at ``level``; None where nothing was counted.
     prior: Dirichlet pseudo-count per cell of the probabilities.
     """
 
     variable: str
     probability: pd.DataFrame
     count: pd.DataFrame
-    low: pd.DataFrame
-    high: pd.DataFrame
+    low: pd.DataFrame | None
+    high: pd.DataFrame | None
     level: float
     prior: float
 

@@ -26,9 +26,9 @@ def forward_model(model: ForwardModel) -> Html:
     sources = len(model.provenance.get("sources", []))
     pairs = [
         ("gaits", len(model.gaits)),
-        ("babbling rows", model.joint.total),
+        ("babbling rows", model.joint.total or "none counted here"),
         ("bins", ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)),
-        ("prior", f"{number(model.prior)} per cell" if model.prior else "none (maximum likelihood)"),
+        ("prior", f"{number(model.prior)} per cell" if model.prior else "none"),
         ("P(Gait)", model.gait_prior),
         ("one gait lasts", f"{model.gaits.duration:g} s"),
     ]

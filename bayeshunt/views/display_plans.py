@@ -54,7 +54,7 @@ def tree(trace: pd.DataFrame) -> Html:
 
     trace: a Plan's, with columns node and parent.
     """
-    records = trace.to_dict("records")
+    records: list[Any] = trace.to_dict("records")
     children: dict[int, list[dict[str, Any]]] = {}
     for record in records:
         children.setdefault(int(record["parent"]), []).append(record)
@@ -103,7 +103,9 @@ def episode(shown: Episode) -> Html:
     """Return how a hunt went: its outcome, both paths, a row per decision."""
     origin = shown.provenance
     ending = f"caught after {shown.time:.2f} s" if shown.caught else f"not caught in {shown.time:g} s"
-    pairs = [(name, _plain(origin[name])) for name in ("planner", "arena", "theta", "seed") if name in origin]
+    pairs: list[tuple[str, Any]] = [
+        (name, _plain(origin[name])) for name in ("planner", "arena", "theta", "seed") if name in origin
+    ]
     changes = int((shown.frame["gait"].to_numpy()[1:] != shown.frame["gait"].to_numpy()[:-1]).sum())
     pairs += [("decisions", len(shown.frame)), ("changes of gait", changes)]
     objective = shown.frame["objective"].iloc[0] if len(shown.frame) else ""

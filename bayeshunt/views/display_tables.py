@@ -12,7 +12,7 @@ from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.views import svg, svg_map
 from bayeshunt.views.display_html import Html, card, facts, fold, join, number, probability, row, table, tag
 
-#: Above this many rows the bins that no row fell into are left out, and above twice it the rest is cut.
+#: Of a longer table only the likeliest bins are shown.
 MOST_ROWS = 200
 
 
@@ -26,8 +26,9 @@ def probability_table(shown: ProbabilityTable) -> Html:
 
 def heat_table(shown: ProbabilityTable) -> Html:
     """Return the heat table of one CPT, with a switch between probabilities and counts."""
-    arrays = [part.to_numpy() for part in (shown.probability, shown.count, shown.low, shown.high)]
-    kept = _rows_to_show(arrays[1])
+    parts = (shown.probability, shown.count, shown.low, shown.high)
+    arrays = [part.to_numpy() for part in parts if part is not None]
+    kept = _rows_to_show(arrays[0])
     labels, columns = list(shown.probability.index), list(shown.probability.columns)
     totals = arrays[1].sum(axis=0)
     top = max(float(arrays[0].max()), 1e-300)
@@ -46,22 +47,24 @@ def heat_table(shown: ProbabilityTable) -> Html:
 
 
 def _cell(shown: ProbabilityTable, place: tuple[str, str], numbers: tuple[float, ...], total: int, top: float) -> Html:
-    p, n, low, high = numbers
+    p, n, *interval = numbers
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
     column = f" | {place[1]}" if shown.variable != "Gait" else ""
-    percent = f"{100 * shown.level:g} %"
-    hint = f"P({given}{column}) = {p:.4f}, {percent} interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
+    hint = f"P({given}{column}) = {p:.4f}"
+    if interval:
+        low, high = interval
+        hint += f", {100 * shown.level:g} % interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
     shade = math.sqrt(p / top)
     zero = "bh-zero" if p == 0 else None
     content = [tag("span", probability(p), class_="bh-p"), tag("span", int(n) or "·", class_="bh-n")]
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
 
 
-def _rows_to_show(counts: np.ndarray) -> list[int]:
-    """All rows of a readable table; of a longer one those with a count, at most twice as many."""
-    if len(counts) <= MOST_ROWS:
-        return list(range(len(counts)))
-    return np.flatnonzero(counts.any(axis=1))[: 2 * MOST_ROWS].tolist()
+def _rows_to_show(values: np.ndarray) -> list[int]:
+    """All rows of a readable table; of a longer one the likeliest, in order."""
+    if len(values) <= MOST_ROWS:
+        return list(range(len(values)))
+    return sorted(np.argsort(-values.max(axis=1), kind="stable")[:MOST_ROWS].tolist())
 
 
 def prey_model(prey: PreyModel) -> Html:

@@ -37,7 +37,7 @@ def forward_model(model: ForwardModel) -> str:
     except ZeroCountError as error:
         return "\n".join([*head, f"nothing to show yet: {error}"])
     counts = model.joint.marginal("Gait")
-    rows = []
+    rows: list[list[str]] = []
     for index, name in enumerate(model.gaits.names):
         sparks = [spark(columns[effect][:, index]) for effect in EFFECTS]
         rows.append([clean(name), str(int(counts[index])), _outcome(model, index), *sparks])
@@ -45,9 +45,10 @@ def forward_model(model: ForwardModel) -> str:
 
 
 def _outcome(model: ForwardModel, index: int) -> str:
-    if not model.joint.marginal("Gait")[index]:
+    try:
+        pose = model.predict(model.gaits.names[index])
+    except ZeroCountError:
         return "never babbled"
-    pose = model.predict(model.gaits.names[index])
     return f"{pose.distance * 1000:.0f} mm at {_degrees(pose.angle)}, heading {_degrees(pose.heading)}"
 
 
@@ -80,7 +81,7 @@ def posterior(answer: Posterior) -> str:
 def probability_table(shown: ProbabilityTable) -> str:
     """Return the probabilities of the bins that rows fell into; zeros are dots."""
     values, counts = shown.probability.to_numpy(), shown.count.to_numpy()
-    kept = np.flatnonzero(counts.any(axis=1))[:_MOST_ROWS]
+    kept = np.flatnonzero(counts.any(axis=1) | (values.any(axis=1) & (counts.sum() == 0)))[:_MOST_ROWS]
     labels = list(shown.probability.index)
     rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i]), str(counts[i].sum())] for i in kept]
     lines = align([shown.variable, *map(clean, shown.probability.columns), "rows"], rows)

@@ -57,7 +57,7 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
         body(axes, seen.right, seen.forward, 0, prey, PREY)
         outward = (np.sin(theta), np.cos(theta))
         beyond = tuple(part + step * prey / 2 for part, step in zip((seen.right, seen.forward), outward, strict=True))
-        axes.annotate(f"{theta:g}", beyond, tuple(9 * step for step in outward), textcoords="offset points",
+        axes.annotate(f"{theta:g}", beyond, (9 * outward[0], 9 * outward[1]), textcoords="offset points",
                       ha="center", va="center", color=PREY)  # fmt: skip
     body(axes, 0, 0, 0, hunter, HUNTER)
     axes.annotate("hunter", (0, -hunter / 2), (0, -3), textcoords="offset points", ha="center", va="top", color=HUNTER)

@@ -32,7 +32,7 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
     diameter = model.gaits.body_length * 1000
     body(place, 0, 0, 0, diameter, INK)
-    for index in np.flatnonzero(model.joint.marginal("Gait")):
+    for index in np.flatnonzero(model.joint.marginal("Gait")).tolist():
         colour = theme.gait_colour(index)
         ends, size = _ends(model, index)
         place.scatter(ends.right * 1000, ends.forward * 1000, s=size, color=colour, alpha=0.45, linewidths=0)
@@ -152,7 +152,7 @@ def draw_transition(axes: Axes, transition: Polar, body_length: float) -> None:
     side = 1 if right <= 0 else -1  # labels on the side away from the arrow
     away = (-side * math.cos(angle), side * math.sin(angle))  # across the arrow, on the side without the arc
     axes.annotate(
-        f"distance {float(transition.distance) * 1000:.0f} mm", (right / 2, ahead / 2), tuple(7 * a for a in away),
+        f"distance {float(transition.distance) * 1000:.0f} mm", (right / 2, ahead / 2), (7 * away[0], 7 * away[1]),
         textcoords="offset points", ha="right" if away[0] < 0 else "left", va="top" if away[1] < -0.3 else "center",
         color=PREY,
     )  # fmt: skip

@@ -109,8 +109,8 @@ def _sequence(plan: Plan) -> str:
 
 
 def _body_length(trace: pd.DataFrame) -> float:
-    best = trace["value_m"].idxmax()
-    return float(trace["value_m"][best] / trace["value_bodies"][best])
+    farthest = trace.nlargest(1, "value_m")
+    return float(farthest["value_m"].iloc[0] / farthest["value_bodies"].iloc[0])
 
 
 def _searched(plan: Plan) -> pd.DataFrame:

@@ -25,7 +25,7 @@ BAR, ACCENT, HUNTER, PREY = (theme.COLOURS[name][0] for name in ("bar", "accent"
 #: Formats that :func:`save` writes.
 FORMATS = ("png", "svg")
 
-_STYLE: dict[str, Any] = {
+_STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.titlesize": 9.5,

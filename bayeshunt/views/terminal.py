@@ -189,13 +189,32 @@ def posterior_bars(answer: Any) -> None:
     table.add_column("probability", justify="right")
     for gait, probability in answer.probabilities.items():
         style = "bold" if gait == answer.best else None
-        table.add_row(str(gait), _bar(float(probability)), f"{probability:.4f}", style=style)
+        table.add_row(Text(str(gait)), _bar(float(probability)), f"{probability:.4f}", style=style)
     out.print(table)
     out.print(f"learned coordinate   {', '.join(f'{k} {v}' for k, v in answer.evidence.items())}")
     if answer.snapped:
         out.print("                     (nearest to the target, which was never babbled)")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
     out.print(f"support              {answer.support} babbling rows")
+
+
+def explanation_table(answer: Any) -> None:
+    """Print what each variable said of each gait: log-odds against the best of the others, part by part."""
+    frame = answer.explain()
+    parts = ["prior", "Distance", "Angle", *(["Heading"] if answer.heading is not None else []), "log_odds"]
+    out.print()
+    out.print(Text("What each variable said", style="bold"))
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("gait", no_wrap=True)
+    table.add_column("compared with", no_wrap=True)
+    for part in parts:
+        table.add_column(part.replace("_", "-"), justify="right", no_wrap=True)
+    for gait, row in frame.iterrows():
+        style = "bold" if gait == answer.best else None
+        numbers = ("never" if row[part] == -math.inf else f"{row[part]:+.2f}" for part in parts)
+        table.add_row(Text(str(gait)), Text(str(row["reference"])), *numbers, style=style)
+    out.print(table)
+    out.print("Natural logarithms of ratios; the parts add up to the log-odds. never: not seen there.", style="dim")
 
 
 def _bar(share: float) -> str:

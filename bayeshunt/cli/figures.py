@@ -1,0 +1,106 @@
+"""figures, export: the paper's figures as files, the tables as CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Config, Json, Model, Preset, Quiet, Seed, load_or_learn, tell
+
+
+@app.command()
+def figures(
+    out: Annotated[Path, typer.Option(help="Folder for the figures, each as PNG and SVG.")],
+    model: Model = None,
+    results: Annotated[
+        Path | None,
+        typer.Option(help="Results folder of evaluate --out, with its own settings; by default the hunts are run now."),
+    ] = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    runs: Annotated[int | None, typer.Option(help="Runs per bearing when hunts are run now.")] = None,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Draw the figures of the paper from a model, two hunts and the results of an evaluation.
+
+    Example:  bayeshunt figures --out figures --results results
+    """
+    from bayeshunt.experiments import runner, store
+    from bayeshunt.views import figures as drawing
+
+    runner.check_jobs(jobs)
+    hunts = None if results is None else store.load_results(results)
+    settings = runner.experiment_settings(config or preset, runs) if hunts is None else _settings_of(hunts, results)
+    folder = store.check_output_folder(out)
+    forward = load_or_learn(model, settings, seed)
+    if hunts is None:
+        hunts = _run(settings, forward, seed, jobs, quiet or as_json)
+    planned, learned = _hunts(settings, forward, seed)
+    written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
+    names = [path.name for path in written]
+    tell({"out": str(out), "files": names}, as_json, f"{out}: {len(names)} files: {', '.join(names)}")
+
+
+def _settings_of(hunts: Any, folder: Any) -> Any:
+    """The settings that the results were made with."""
+    from bayeshunt.config import ExperimentSettings
+    from bayeshunt.settings import parse
+
+    return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
+
+
+def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
+    """Every hunt of the protocol, with a progress bar."""
+    from bayeshunt.experiments import runner
+    from bayeshunt.views import terminal
+
+    protocol = settings.protocol
+    total = len(protocol.thetas) * protocol.runs * len(settings.planners) * len(settings.arenas)
+    with terminal.progress_bar("hunting", total, quiet=quiet) as advance:
+        return runner.evaluate(settings, seed=seed, jobs=jobs, model=model, progress=advance)
+
+
+def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
+    """A hunt that plans, in the open if there is one, and a long one whose prey meets walls if there are any."""
+    from bayeshunt.hunting import hunt
+    from bayeshunt.planners.registry import make_planner
+
+    arenas, thetas = settings.arenas, settings.protocol.thetas
+    unwalled = next((name for name, arena in arenas.items() if not arena.walled), next(iter(arenas)))
+    walled = next((name for name, arena in arenas.items() if arena.walled), unwalled)
+    theta = thetas[min(1, len(thetas) - 1)]
+    planned, learned = (
+        hunt(settings, make_planner(name, model, **settings.planner.get(name, {})), arena=arena, theta=theta, seed=seed)
+        for name, arena in (("planning", unwalled), ("reactive", walled))
+    )
+    return planned, learned
+
+
+@app.command()
+def export(
+    model: Annotated[Path, typer.Argument(help="Model file made by bayeshunt fit.", show_default=False)],
+    out: Annotated[Path, typer.Option(help="Folder for the CSV files.")],
+    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Write every table of a model as CSV: probability, count and 95 % interval of each cell.
+
+    Example:  bayeshunt export model.json --out tables
+    """
+    from bayeshunt.cli.options import check_parent
+    from bayeshunt.experiments.store import check_output_folder
+    from bayeshunt.models.forward import ForwardModel
+
+    if xmlbif is not None:
+        check_parent(xmlbif)
+    forward = ForwardModel.load(model)
+    names = [path.name for path in forward.to_csv(check_output_folder(out))]
+    if xmlbif is not None:
+        forward.to_xmlbif(xmlbif)
+    tell({"out": str(out), "files": names}, as_json, f"{out}: {', '.join(names)}")

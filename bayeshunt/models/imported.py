@@ -1,0 +1,111 @@
+"""A forward model made of probability tables from elsewhere: another program's network, or a published one.
+
+It answers, samples and hunts like a learned one; but nothing was counted here, so there are no counts,
+no intervals and no rows, and it cannot learn further.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NoReturn
+
+import numpy as np
+
+from bayeshunt.axes import EFFECTS, EffectAxes
+from bayeshunt.errors import InputError
+from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.geometry import Polar
+from bayeshunt.models.counts import JointCounts
+from bayeshunt.models.effects import IndependentEffects, JointEffects
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.structures import Structure
+from bayeshunt.models.table import ProbabilityTable
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImportedModel(ForwardModel):
+    """A forward model whose tables are given.
+
+    given: "Gait" [G], and P(effect | parents) [K, ...parents] of each effect, parents in alphabetical
+        order; columns sum to 1.
+    """
+
+    given: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, gaits: GaitRepertoire, axes: EffectAxes, structure: Structure, given: Mapping[str, np.ndarray]
+    ) -> ImportedModel:
+        """Return the model of these tables; ``structure`` must not have the gait before as a cause."""
+        for values in given.values():
+            values.setflags(write=False)
+        return cls(JointCounts.empty(gaits, axes), structure=structure, given=given)
+
+    @property
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: bins of Distance and Angle of positive probability, sorted."""
+        distance, angle, _ = self.axes.shape
+        joint = self.evidence(*np.ogrid[:distance, :angle])
+        return np.argwhere(joint.sum(axis=-1) > 0)
+
+    def predict(self, gait: Gait | str) -> Polar:
+        """Return the expected pose after one step of ``gait``: the mean over bin centres."""
+        index = self.gaits.index(gait)
+        bins = [np.arange(size) for size in self.axes.shape]
+        places = self._effects.evidence(np.ones(len(self.gaits)), bins[0][:, None], bins[1][None, :])[..., index]
+        reach, angle = self.axes.distance.centres[:, None], self.axes.angle.centres[None, :]
+        forward, right = ((places * reach * part).sum() for part in (np.cos(angle), np.sin(angle)))
+        headings, centres = self.probabilities("Heading")[:, index], self.axes.heading.centres
+        turn = np.arctan2((headings * np.sin(centres)).sum(), (headings * np.cos(centres)).sum())
+        return Polar.from_cartesian(float(forward), float(right), float(turn))
+
+    def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
+        """Return a CPT that shows itself, without counts and intervals."""
+        return ProbabilityTable(variable, self.cpt(variable), self.counts(variable), None, None, level, self.prior)
+
+    def credible_interval(self, variable: str, level: float = 0.95) -> NoReturn:
+        """Raise InputError: without counts there is no interval."""
+        raise InputError("an imported network has probabilities but no counts, so it has no intervals")
+
+    def update(self, rows: Any) -> NoReturn:
+        """Raise InputError: probabilities without counts cannot learn from further rows."""
+        raise InputError("an imported network has no counts to add rows to; fit a model: ForwardModel.fit")
+
+    def save(self, path: Any) -> NoReturn:
+        """Raise InputError: a model file holds counts."""
+        raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
+
+    def __repr__(self) -> str:
+        bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
+        return f"<ImportedModel: {len(self.gaits)} gaits, bins {bins}>"
+
+    def __eq__(self, other: object) -> bool:
+        """Equal gaits, bins, edges and tables."""
+        if not isinstance(other, ImportedModel):
+            return NotImplemented
+        mine, theirs = ((m.gaits, m.axes, m.structure) for m in (self, other))
+        return mine == theirs and all(np.array_equal(self.given[v], other.given[v]) for v in self.given)
+
+    def __hash__(self) -> int:
+        return hash((self.gaits, self.axes, self.structure))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ImportedModel.of, (self.gaits, self.axes, self.structure, dict(self.given))
+
+    # --- inside -------------------------------------------------------------------------------
+
+    @cached_property
+    def _effects(self) -> IndependentEffects | JointEffects:
+        local = {effect: self.given[effect] for effect in EFFECTS}
+        if self.structure.is_naive:
+            return IndependentEffects.of_tables(local)
+        return JointEffects.of_tables(self.structure, local, (len(self.gaits), *self.axes.shape))
+
+    @cached_property
+    def _tables(self) -> dict[str, np.ndarray]:
+        derived = {"Gait": self.given["Gait"], **{effect: self._effects.marginal(effect) for effect in EFFECTS}}
+        for table in derived.values():
+            table.setflags(write=False)
+        return derived

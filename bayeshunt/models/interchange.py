@@ -1,0 +1,170 @@
+"""Tables out as CSV; networks in from XMLBIF 0.3 or BIF, as other programs write them."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.axes import Axis, EffectAxes
+from bayeshunt.errors import InputError
+from bayeshunt.files import write_text
+from bayeshunt.gaits import GaitRepertoire
+from bayeshunt.models import network, xmlbif
+from bayeshunt.models.imported import ImportedModel
+from bayeshunt.models.structures import Structure
+
+if TYPE_CHECKING:
+    from bayeshunt.models.forward import ForwardModel
+
+#: Endings of the files that :func:`read_network` reads.
+KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
+#: Columns of a file may miss 1 by this much, since programs round what they write; they are rescaled.
+_ROUNDING = 1e-3
+
+
+def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write gait.csv, distance.csv, angle.csv and heading.csv into ``folder``; returns the paths.
+
+    One row per cell: gait, bin, low and high (edges of the bin, m or rad; not in gait.csv),
+    probability, count, ci_low and ci_high (95 % credible interval). An imported model has no counts:
+    those three columns are empty. Numbers are written in full.
+    """
+    paths = []
+    for variable in network.VARIABLES:
+        path = Path(folder) / f"{variable.lower()}.csv"
+        write_text(path, cells(model, variable).to_csv(index=False, lineterminator="\n"))
+        paths.append(path)
+    return paths
+
+
+def cells(model: ForwardModel, variable: str) -> pd.DataFrame:
+    """Return a table as one row per cell, the columns of :func:`write_csv`; gaits vary slowest."""
+    shown = model.table(variable)
+    values = shown.probability.to_numpy()
+    bins, columns = values.shape
+    if variable == "Gait":
+        frame = pd.DataFrame({"gait": shown.probability.index})
+    else:
+        axis = model.axes[variable]
+        frame = pd.DataFrame({"gait": np.repeat(list(model.gaits.names), bins)})
+        for name, part in (("bin", axis.labels), ("low", axis.edges[:-1]), ("high", axis.edges[1:])):
+            frame[name] = np.tile(np.asarray(part), columns)
+    frame["probability"] = values.T.ravel()
+    counted = {"count": shown.count if model.joint.total else None, "ci_low": shown.low, "ci_high": shown.high}
+    for name, table in counted.items():
+        frame[name] = None if table is None else table.to_numpy().T.ravel()
+    return frame
+
+
+def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAxes | None = None) -> ImportedModel:
+    """Read a network over Gait, Distance, Angle and Heading from a file of another program.
+
+    path: XMLBIF (``.xml``, ``.xmlbif``, ``.bifxml``) or BIF (``.bif``).
+    gaits: the repertoire, names in the file's order or the same names; default: the file's names.
+    axes: the bins, in the file's order of states; default: from the bin labels. State names are
+        translated by ``<path>.labels.json`` if it is there, as our own exports have it.
+
+    Any edges into Distance, Angle and Heading will do. Raises InputError in one line for an
+    unreadable file, other variables or edges, states that do not fit, or columns that do not sum to 1.
+    """
+    name = os.fspath(path)
+    found = _read(Path(path), name)
+    _check_variables(found, name)
+    labels = _labels(found, Path(path), name)
+    repertoire = GaitRepertoire.of(labels["Gait"] if gaits is None else gaits)
+    grid = axes if axes is not None else _axes(labels, name)
+    order = {"Gait": _positions(labels["Gait"], repertoire.names, "Gait", name)}
+    order |= {axis.name: _positions(labels[axis.name], axis.labels, axis.name, name) for axis in grid}
+    structure = Structure("learned", tuple(found.edges()))
+    if structure.is_naive:
+        structure = Structure("naive", structure.edges)
+    given = {variable: _table(found, variable, structure, order, name) for variable in network.VARIABLES}
+    return ImportedModel.of(repertoire, grid, structure, given)
+
+
+def _read(path: Path, name: str) -> Any:
+    """The pgmpy network in a file."""
+    if not path.is_file():
+        raise InputError(f"{name}: no such file")
+    kind = path.suffix.lower()
+    if kind not in KINDS:
+        raise InputError(f"{name}: unknown kind of network {kind!r}; expected one of {', '.join(KINDS)}")
+    from pgmpy.readwrite import BIFReader, XMLBIFReader
+
+    try:
+        reader = (BIFReader if kind == ".bif" else XMLBIFReader)(str(path))
+        return reader.get_model()
+    except Exception as error:  # a parser's many ways to fail are one fact to the user
+        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+        raise InputError(f"{name}: not a readable {kind[1:].upper()} network ({reason})") from None
+
+
+def _check_variables(found: Any, name: str) -> None:
+    variables = set(found.nodes())
+    if variables != set(network.VARIABLES):
+        got = ", ".join(sorted(map(str, variables)))
+        raise InputError(f"{name}: the variables are {got}; expected exactly {', '.join(network.VARIABLES)}")
+
+
+def _labels(found: Any, path: Path, name: str) -> dict[str, list[str]]:
+    """The states of every variable in the file's order, translated by the label map if there is one."""
+    states = {v: [str(s) for s in found.get_cpds(v).state_names[v]] for v in network.VARIABLES}
+    beside = xmlbif.labels_path(path)
+    if not beside.is_file():
+        return states
+    try:
+        known = json.loads(beside.read_text(encoding="utf-8"))
+        return {v: [str(known[v].get(s, s)) for s in names] for v, names in states.items()}
+    except (OSError, ValueError, KeyError, AttributeError):
+        raise InputError(f"{beside}: not a label map of {name}; export again or remove it") from None
+
+
+def _axes(labels: dict[str, list[str]], name: str) -> EffectAxes:
+    """The bins that the labels name."""
+    distance = Axis.linear("Distance", _width(labels["Distance"], name), len(labels["Distance"]))
+    turns = (Axis.full_turn(v, len(labels[v])) for v in ("Angle", "Heading"))
+    axes = EffectAxes(distance, *turns)
+    for axis in axes:
+        if set(axis.labels) != set(labels[axis.name]):
+            raise InputError(
+                f"{name}: the states of {axis.name} ({labels[axis.name][0]!r}, ...) are not bin labels such as "
+                f"{axis.labels[0]!r}; give axes= with the bins in the file's order"
+            )
+    return axes
+
+
+def _width(labels: list[str], name: str) -> float:
+    """Bin width [m] from labels such as "0-5.7 mm", "5.7-11.4 mm"."""
+    try:
+        return max(float(label.removesuffix(" mm").split("-")[1]) for label in labels) / len(labels) / 1000
+    except (IndexError, ValueError):
+        raise InputError(
+            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; "
+            "give axes= with the bins in the file's order"
+        ) from None
+
+
+def _positions(labels: list[str], wanted: tuple[str, ...], variable: str, name: str) -> list[int]:
+    """Where each wanted state stands in the file: by name, or in order if the names are others."""
+    if len(labels) != len(wanted):
+        raise InputError(f"{name}: {variable} has {len(labels)} states; expected {len(wanted)}")
+    if set(labels) == set(wanted):
+        return [labels.index(label) for label in wanted]
+    return list(range(len(wanted)))
+
+
+def _table(found: Any, variable: str, structure: Structure, order: dict[str, list[int]], name: str) -> np.ndarray:
+    """P(variable | parents) with states in our order and parents in alphabetical order."""
+    cpd = found.get_cpds(variable)
+    axes = [variable, *structure.parents(variable)]
+    values = np.transpose(cpd.values, [cpd.variables.index(v) for v in axes])
+    values = np.array(values[np.ix_(*(order[v] for v in axes))], dtype=float)
+    totals = values.sum(axis=0)
+    if not np.all(values >= 0) or not np.all(np.abs(totals - 1) <= _ROUNDING):
+        raise InputError(f"{name}: the table of {variable} has a column that is not a distribution")
+    return values / totals
