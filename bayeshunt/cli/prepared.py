@@ -1,4 +1,4 @@
-"""reference, remember: tables that planners need and that are made beforehand."""
+"""reference, remember, explore: tables that planners need and that are made beforehand."""
 
 from __future__ import annotations
 
@@ -91,3 +91,33 @@ def remember(
     facts = {"out": str(out), "transitions": memory.observations, **memory.provenance}
     tell(facts, as_json, f"{out}: {memory.observations} transitions; next: bayeshunt evaluate --planner memory_place "
          f"--set planner.memory_place.tables={out}")  # fmt: skip
+
+
+@app.command()
+def explore(
+    out: Annotated[Path, typer.Option(help="Room (JSON) to write.")],
+    arena: Annotated[str, typer.Option(help="Arena to babble in.")] = "walled",
+    steps: Annotated[int, typer.Option(help="Gaits babbled there.")] = 1000,
+    preset: Preset = "paper",
+    config: Config = None,
+    overrides: Overrides = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Babble alone in an arena and keep its walls, for planner intercept_walls.
+
+    Example:  bayeshunt explore --arena walled --out room.json;
+    bayeshunt evaluate --planner intercept_walls --arena walled --set planner.intercept_walls.room=room.json
+    """
+    from bayeshunt.experiments import explorations
+    from bayeshunt.settings import load_experiment
+
+    check_parent(out)
+    settings = load_experiment(config or preset, parse_overrides(overrides))
+    room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed)
+    room.save(out)
+    walls = room.walls()
+    facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
+    tell(facts, as_json, f"{out}: {len(walls)} walls\n{walls.round(3).to_string()}\n"
+         f"next: bayeshunt evaluate --planner intercept_walls --arena {arena} "
+         f"--set planner.intercept_walls.room={out}")  # fmt: skip

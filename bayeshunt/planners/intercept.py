@@ -35,7 +35,7 @@ class InterceptSettings:
 
     catch_distance: float = 1.02
     spread: float = 0.2
-    heading_price: float = 0.85
+    heading_price: float = 1.0
     prior: bool = True
     hazard: float = 0.1
     hazard_steps: float = 4.0
@@ -45,9 +45,9 @@ class InterceptSettings:
 
     def __post_init__(self) -> None:
         for name in ("catch_distance", "spread", "hazard_steps", "turn_weight", "turn_threshold"):
-            _check_number(name, getattr(self, name), above=0.0)
-        _check_number("heading_price", self.heading_price)
-        _check_number("hazard", self.hazard, most=1.0)
+            check_number(name, getattr(self, name), above=0.0)
+        check_number("heading_price", self.heading_price)
+        check_number("hazard", self.hazard, most=1.0)
         if not isinstance(self.prior, bool):
             raise InputError(f"intercept: prior must be true or false, got {self.prior!r}")
         steps = self.turn_steps
@@ -55,7 +55,8 @@ class InterceptSettings:
             raise InputError(f"intercept: turn_steps must be a whole number >= 0, got {steps!r}")
 
 
-def _check_number(name: str, value: Any, *, above: float | None = None, most: float = math.inf) -> None:
+def check_number(name: str, value: Any, *, above: float | None = None, most: float = math.inf) -> None:
+    """Raise InputError unless a setting is a finite number above ``above`` (or >= 0) and at most ``most``."""
     number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and math.isfinite(value)
     if not number or value > most or (value <= above if above is not None else value < 0):
         bound = f"> {above:g}" if above is not None else ">= 0"

@@ -14,6 +14,8 @@ from bayeshunt.planners.base import Planner
 from bayeshunt.planners.belief import BeliefSettings, belief
 from bayeshunt.planners.best_first import PlanningSettings, planning
 from bayeshunt.planners.intercept import InterceptSettings, intercept
+from bayeshunt.planners.intercept_walls import SETTINGS as ROOM_SETTINGS
+from bayeshunt.planners.intercept_walls import intercept_walls
 from bayeshunt.planners.limits import KinematicLimit
 from bayeshunt.planners.memory import Memory, OrderMemory, PlaceMemory
 from bayeshunt.planners.omniscient import Omniscient
@@ -113,4 +115,5 @@ register_planner("memory", Memory)
 register_planner("memory_place", PlaceMemory)
 register_planner("memory_previous", OrderMemory)
 register_planner("intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)])
+register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
 register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])

@@ -1,0 +1,91 @@
+"""The interception hunter that knows the walls of its arena from having babbled there."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from typing import Any
+
+from bayeshunt.errors import InputError
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.rooms import RoomModel
+from bayeshunt.planners.base import Situation
+from bayeshunt.planners.bouncing import Walls, room_futures
+from bayeshunt.planners.futures import Futures
+from bayeshunt.planners.intercept import InterceptPlanner, InterceptSettings, check_number
+
+
+@dataclass(frozen=True)
+class RoomSettings(InterceptSettings):
+    """Settings of the interception hunter, and of what a prey does at a wall.
+
+    clearance: body lengths that the prey's centre keeps from where the hunter's own centre is stopped, >= 0.
+    rebound: angle between a wall and the prey that has turned away from it, radians in [0, 1.5].
+    """
+
+    clearance: float = 0.8
+    rebound: float = 0.4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("clearance", self.clearance)
+        check_number("rebound", self.rebound, most=1.5)
+
+
+class InterceptWallsPlanner(InterceptPlanner):
+    """Interception with the prey's path followed from wall to wall.
+
+    room: a :class:`RoomModel` or the path of one (``bayeshunt explore --out FILE``): learned in the
+    arena before the hunt, so its row is not learned within the run. It needs to know where it is:
+    ``situation.pose``. Where no known wall lies ahead of the prey it is the interception hunter.
+    """
+
+    name = "intercept_walls"
+    ab_initio = False
+    standalone = False
+    settings: RoomSettings
+
+    def __init__(
+        self, model: ForwardModel, settings: RoomSettings | None = None, *, room: RoomModel | str | os.PathLike[str]
+    ) -> None:
+        chosen = RoomSettings() if settings is None else settings
+        super().__init__(model, chosen)
+        self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
+        keep = chosen.clearance * model.gaits.body_length
+        self.walls = Walls(
+            tuple((float(x), float(y)) for x, y in self.room.normals),
+            tuple(float(offset) - keep for offset in self.room.offsets),
+            chosen.rebound,
+        )
+
+    def futures(self, situation: Situation) -> Futures:
+        """Return the prey's paths among the walls."""
+        if situation.pose is None:
+            raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
+        known = self.prey(situation)
+        if not (self.settings.prior or situation.transitions):
+            return super().futures(situation)
+        speed = known.speed / self.time_step
+        found = room_futures(situation.prey, situation.pose, self.walls, speed, self.time_step)
+        return super().futures(situation) if found is None else found
+
+
+def intercept_walls(
+    model: ForwardModel, *, room: RoomModel | str | os.PathLike[str] | None = None, **settings: Any
+) -> InterceptWallsPlanner:
+    """Return an interception hunter for the arena that ``room`` was learned in.
+
+    settings: fields of :class:`RoomSettings`. Raises InputError without a room.
+    """
+    if room is None:
+        raise InputError(
+            'intercept_walls: needs the setting room; make one with "bayeshunt explore --out FILE" '
+            "and give it as planner.intercept_walls.room"
+        )
+    return InterceptWallsPlanner(model, RoomSettings(**settings), room=room)
+
+
+intercept_walls.standalone = False  # type: ignore[attr-defined]
+intercept_walls.ab_initio = False  # type: ignore[attr-defined]
+#: Names of the settings that :func:`intercept_walls` takes.
+SETTINGS = ("room", *(field.name for field in fields(RoomSettings)))

@@ -1,0 +1,63 @@
+"""Babbling inside an arena: random gaits from the starting pose, walls included."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.config import ArenaSettings, PhysicsSettings, RobotSettings
+from bayeshunt.dataset import PROVENANCE_KEY
+from bayeshunt.world.arena import build_walls, new_world
+from bayeshunt.world.babbling import PATH_INTERVALS, check_whole, provenance
+from bayeshunt.world.bodies import build_drive
+
+
+def explore(
+    robot: RobotSettings, arena: ArenaSettings, steps: int, seed: int, *, physics: PhysicsSettings | None = None
+) -> pd.DataFrame:
+    """Return where random gaits took the robot, alone in ``arena``; it starts in the centre, facing along x.
+
+    Columns: step, gait, interval (1..13, part-way through the step), x, y [m], theta [rad,
+    counter-clockwise] in the frame of the start, as dead reckoning gives them. One row per interval.
+
+    steps: gaits executed, each equally often, in random order. Raises InputError if ``steps`` or
+    ``seed`` is not a whole number in range.
+    """
+    check_whole(steps, "steps", 1)
+    check_whole(seed, "seed", 0)
+    physics = physics or PhysicsSettings()
+    choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed, 1]).spawn(2))
+    order = choice.permutation(np.arange(steps) % len(robot.gaits))
+    world, unit = new_world(), robot.body.diameter
+    if arena.walled:
+        build_walls(world, arena.width / unit, arena.height / unit)
+    drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
+    total = physics.steps(robot.gait_duration)
+    ends = set(np.linspace(0, total, PATH_INTERVALS + 1).round().astype(int)[1:].tolist())
+    poses = []
+    for gait in order.tolist():
+        drive.command(*robot.gaits[gait].command)
+        for taken in range(total):
+            if taken % physics.control_steps == 0:
+                drive.next_interval()
+            drive.advance()
+            world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
+            if world.contactCount:
+                drive.read_back()
+            if taken + 1 in ends:
+                poses.append(drive.pose)
+    x, y, theta = np.array(poses).T
+    names = np.array(robot.gaits.names, dtype=object)[order]
+    frame = pd.DataFrame(
+        {
+            "step": np.repeat(np.arange(steps), len(ends)),
+            "gait": np.repeat(names, len(ends)),
+            "interval": np.tile(np.arange(1, len(ends) + 1), steps),
+            "x": x,
+            "y": y,
+            "theta": theta,
+        }
+    )
+    record = {**provenance(robot, physics, steps, seed), "kind": "exploration", "arena": arena.model_dump(mode="json")}
+    frame.attrs[PROVENANCE_KEY] = record
+    return frame
