@@ -64,7 +64,7 @@ def held_out(rows: CodedRows, structure: str | Structure, fold: np.ndarray, prio
             forecasts[effect][test] = predictor.forecast(effect, columns)
         for posterior, heading in zip(posteriors, (False, True), strict=True):
             posterior[test] = predictor.gait_posterior(columns, heading=heading)
-    return HeldOut(log_probability, forecasts, *posteriors, tuple(structures))
+    return HeldOut(log_probability, forecasts, posteriors[0], posteriors[1], tuple(structures))
 
 
 class _Predictor:

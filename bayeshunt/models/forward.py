@@ -118,8 +118,8 @@ class ForwardModel:
         if isinstance(structure, str):
             structure = find_structure(structure, self.joint.table)
         model = replace(self, structure=structure)
-        fitted = network.fit(model.joint, model.prior, structure)
-        network.check_equal(fitted, {**model._effects.local, "Gait": model._empirical_gaits()})
+        learned = {**model._effects.local, "Gait": model._empirical_gaits()}
+        network.check_equal(network.fit(model.joint, model.prior, structure), learned)
         return model
 
     @classmethod
