@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -78,27 +79,40 @@ def _path(name: str, path: Polar | None) -> dict[str, list[float] | None]:
 
 
 def _planned_path(plan: Plan) -> Polar | None:
-    """The hunter 0..T steps ahead on the chosen branch, if the plan's trace tells poses."""
+    """The hunter 0..T steps ahead on the chosen branch, if the plan's trace tells all its poses."""
     trace = plan.trace
     if not {"chosen", "T", "hunter_forward", "hunter_right", "hunter_heading"} <= set(trace.columns):
         return None
     branch = trace[trace["chosen"]].sort_values("T")
+    if branch["T"].tolist() != list(range(len(branch))):
+        return None
     return Polar.from_cartesian(branch["hunter_forward"], branch["hunter_right"], branch["hunter_heading"])
 
 
 def _alternatives(plan: Plan) -> dict[str, Any]:
-    """The first gaits a search considered and the least value found under each."""
+    """The first gaits that a plan considered and the least value found under each, in order of the trace."""
     trace = plan.trace
-    if not {"node", "parent", "T", "gait", "value_m"} <= set(trace.columns):
+    column = next((name for name in ("value_m", "value_s", "value") if name in trace), None)
+    if plan.posterior is not None or column is None or "gait" not in trace:
         return {"alternative_gaits": None, "alternative_values": None}
-    first: dict[int, str] = {}
     least: dict[str, float] = {}
-    rows = trace[["node", "parent", "T", "gait", "value_m"]].itertuples(index=False)
-    for node, parent, depth, gait, value in rows:
-        if depth >= 1:
-            first[node] = gait if depth == 1 else first[parent]
-            least[first[node]] = min(value, least.get(first[node], np.inf))
+    for gait, value in zip(_first_gaits(trace), trace[column].tolist(), strict=True):
+        if gait is not None:
+            least[gait] = min(value, least.get(gait, np.inf))
     return {"alternative_gaits": list(least), "alternative_values": list(least.values())}
+
+
+def _first_gaits(trace: pd.DataFrame) -> list[str | None]:
+    """First gait of the sequence in each row of a plan's trace; None for the empty sequence."""
+    gaits = trace["gait"].tolist()
+    if {"node", "parent", "T"} <= set(trace.columns):
+        first: dict[int, str | None] = {}
+        for node, parent, steps, gait in zip(trace["node"], trace["parent"], trace["T"], gaits, strict=True):
+            first[node] = None if steps == 0 else gait if steps == 1 else first[parent]
+        return list(first.values())
+    if "gaits" in trace:  # sequences written run by run: "straight x3, wide left x1"
+        return [re.split(r" x\d+(?:, |$)", text, maxsplit=1)[0] or None for text in trace["gaits"]]
+    return gaits
 
 
 def _prey_table(prey_model: Any) -> list[list[float]]:

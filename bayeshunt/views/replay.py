@@ -132,15 +132,16 @@ def _bars(row: dict[str, Any], settings: ExperimentSettings) -> dict[str, Any]:
     if gaits is None or values is None:
         gaits = values = []
     known = [(gait, value) for gait, value in zip(gaits, values, strict=True) if np.isfinite(value)]
+    least = dict(known).get(row["gait"], np.inf) <= min((value for _, value in known), default=0.0)
     return {
         "kind": "values",
         "title": "Values of the first gaits" if known else "Alternatives",
-        "caption": f"Least value found under each first gait ({row['objective']}); less is better. "
-        "There is no posterior, as this planner searches."
+        "caption": f"Least value under each first gait ({row['objective']}){'; less is better' if least else ''}. "
+        "This planner has no posterior."
         if known
         else "This planner keeps neither a posterior nor a value per gait.",
-        "gaits": [g for g, _ in known],
-        "values": [number(v) for _, v in known],
+        "gaits": [gait for gait, _ in known],
+        "values": [number(value) for _, value in known],
     }
 
 
