@@ -82,7 +82,10 @@ class Reader:
             self._file = pq.ParquetFile(path, memory_map=False, page_checksum_verification=True)
             self.schema = self._file.schema_arrow.remove_metadata()
             self.rows = int(self._file.metadata.num_rows)
-            sealed = (self._file.schema_arrow.metadata or {}).get(KEY)
+            sealed = (self._file.metadata.metadata or {}).get(KEY)
+            # Arrow keeps a second copy inside its own schema: damage to one shows in the other.
+            if sealed != (self._file.schema_arrow.metadata or {}).get(KEY):
+                raise ValueError("two copies of its record differ")
             self.record: dict[str, Any] | None = None
             self.digests: list[str] | None = None
             if sealed is not None:

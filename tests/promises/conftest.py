@@ -1,6 +1,11 @@
 """What the promises share: a printed figure each, and a fitted model on disk."""
 
+import sys
+from pathlib import Path
+
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "models"))  # model_cases: random networks, babbling tables
 
 
 @pytest.fixture
