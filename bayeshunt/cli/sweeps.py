@@ -1,4 +1,4 @@
-"""sweep: what the results owe to a setting."""
+"""sweep, tradeoff: what the results owe to a setting, and what a quicker catch costs."""
 
 from __future__ import annotations
 
@@ -68,6 +68,86 @@ def sweep(
     terminal.sweep_table(frame)
     for path in files:
         terminal.say(f"{path}")
+
+
+@app.command()
+def tradeoff(
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(help="Weight to vary: distance, transitions or planning; NAME, or NAME=VALUE,VALUE,..."),
+    ] = None,
+    preset: Preset = "paper",
+    config: Config = None,
+    overrides: Overrides = None,
+    planner: Annotated[
+        list[str] | None, typer.Option(help="Planner to show beside; may be given several times.")
+    ] = None,
+    arena: Annotated[str, typer.Option(help="Arena of the settings.")] = "open",
+    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    seed: Seed = 0,
+    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    out: Annotated[Path | None, typer.Option(help="Folder for the table and the figure.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Weigh the time of the catch against distance, changes of gait and planning (planner frugal).
+
+    The weights stand in the settings: [planner.frugal] time, distance, transitions, planning.
+
+    Example:  bayeshunt tradeoff --vary transitions --vary distance=0,50,200 --runs 20 --out costs
+    """
+    from bayeshunt.experiments import runner, store
+    from bayeshunt.experiments import tradeoff as costs
+    from bayeshunt.settings import load_experiment
+    from bayeshunt.views import terminal
+
+    settings = load_experiment(config or preset, parse_overrides(overrides))
+    beside = check_names(settings, planner or ["prediction", "planning"], [arena])
+    runner.check_jobs(jobs)
+    varied = _varied(vary)
+    if out is not None:
+        store.check_output_folder(out)
+    cases = len(beside) + sum(len(values) for values in varied.values())
+    total = len(settings.protocol.thetas) * (settings.protocol.runs if runs is None else max(runs, 0)) * cases
+    with terminal.progress_bar("weighing", total, quiet=quiet or as_json) as advance:
+        frame = costs.tradeoff(
+            settings, varied, runs=runs, seed=seed, jobs=jobs, planners=beside, arena=arena, progress=advance
+        )
+    files = [] if out is None else _write_tradeoff(frame, out)
+    if as_json:
+        typer.echo(json.dumps(_facts(frame, files)))
+        return
+    terminal.tradeoff_table(frame)
+    for path in files:
+        terminal.say(f"{path}")
+
+
+def _varied(given: list[str] | None) -> dict[str, Any]:
+    """The weights to vary and their values."""
+    from bayeshunt.experiments.tradeoff import VARIED
+
+    varied: dict[str, Any] = {}
+    for text in given or ["transitions"]:
+        name, equals, values = text.partition("=")
+        if name not in ("time", *VARIED) or not (equals or name in VARIED):
+            raise InputError(f"--vary {text}: expected one of {', '.join(VARIED)}, or NAME=VALUE,VALUE,...")
+        varied[name] = [toml_value(v.strip()) for v in values.split(",")] if equals else list(VARIED[name])
+        for value in varied[name]:
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise InputError(f"--vary {text}: {value!r} is not a number")
+    return varied
+
+
+def _write_tradeoff(frame: Any, folder: Path) -> list[Path]:
+    """Write tradeoff.csv, tradeoff.json and the figure."""
+    from bayeshunt.files import write_text
+    from bayeshunt.views.figures_style import save
+    from bayeshunt.views.figures_tradeoff import tradeoff_figure
+
+    files = [folder / "tradeoff.csv", folder / "tradeoff.json"]
+    write_text(files[0], frame.to_csv(index=False))
+    write_text(files[1], json.dumps(_facts(frame, []), indent=1) + "\n")
+    return files + save(tradeoff_figure(frame), folder, "tradeoff")
 
 
 def _grid(axes: list[str] | None, path: Path | None) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
 from bayeshunt.planners.belief import BeliefSettings, belief
 from bayeshunt.planners.best_first import PlanningSettings, planning
+from bayeshunt.planners.frugal import Frugal
 from bayeshunt.planners.intercept import InterceptSettings, intercept
 from bayeshunt.planners.intercept_walls import SETTINGS as ROOM_SETTINGS
 from bayeshunt.planners.intercept_walls import intercept_walls
@@ -110,6 +111,7 @@ register_planner("proportional_navigation", ProportionalNavigation)
 register_planner("constant_velocity", ConstantVelocity)
 register_planner("omniscient", Omniscient)
 register_planner("kinematic_limit", KinematicLimit)
+register_planner("frugal", Frugal)
 register_planner("reference", Reference)
 register_planner("memory", Memory)
 register_planner("memory_place", PlaceMemory)

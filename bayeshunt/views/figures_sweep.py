@@ -15,8 +15,8 @@ from bayeshunt.experiments.sweep import AXES, COLUMNS
 from bayeshunt.views.figures_style import FAINT, LINE, shorten, styled
 
 #: Okabe and Ito's colours, told apart with any colour vision, and a marker for each.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Drawn as a limit: grey, dashed, without an interval.
 _LIMIT = "kinematic_limit"
 #: More panels side by side than this cannot be read.
@@ -56,10 +56,10 @@ def _lines(axes: Any, rows: pd.DataFrame, axis: str, planner: str, planners: lis
     if planner == _LIMIT:
         look: dict[str, Any] = {"color": FAINT, "linestyle": (0, (4, 3)), "linewidth": 1.4, "zorder": 2}
     else:
-        index = [name for name in planners if name != _LIMIT].index(planner) % len(_COLOURS)
-        look = {"color": _COLOURS[index], "marker": _MARKERS[index], "markersize": 4, "linewidth": 1.4, "zorder": 3}
+        index = [name for name in planners if name != _LIMIT].index(planner) % len(COLOURS)
+        look = {"color": COLOURS[index], "marker": MARKERS[index], "markersize": 4, "linewidth": 1.4, "zorder": 3}
         axes[0].fill_between(
-            place, rows["ci_low"].astype(float), rows["ci_high"].astype(float), color=_COLOURS[index], alpha=0.16, lw=0
+            place, rows["ci_low"].astype(float), rows["ci_high"].astype(float), color=COLOURS[index], alpha=0.16, lw=0
         )
     axes[0].plot(place, rows["success"], label=label, **look)
     axes[1].plot(place, rows["mean_time_s"], **look)

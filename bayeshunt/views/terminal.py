@@ -164,6 +164,28 @@ def sweep_table(frame: Any) -> None:
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
 
 
+def tradeoff_table(frame: Any) -> None:
+    """Print a trade-off: one row per planner and weight."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
+                  title="{experiment} in {arena}, seed {seed}".format(**frame.attrs))  # fmt: skip
+    table.add_column("planner", overflow="fold", min_width=10)
+    table.add_column("varied", no_wrap=True)
+    for name in ("caught %", "mean s", "metres", "changes", "ms/plan", "cost"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for row in frame.to_dict("records"):
+        varied = f"{row['weight']} {row['value']:g}" if row["weight"] else ""
+        table.add_row(
+            row["planner"], varied, f"{100 * row['success']:.1f}", f"{row['mean_time_s']:.1f}",
+            f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}", f"{row['planning_ms']:.2f}",
+            f"{row['cost']:.1f}",
+        )  # fmt: skip
+    out.print(table)
+    weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
+    out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
+    if frame.attrs["note"]:
+        out.print(Text(frame.attrs["note"], style="italic"))
+
+
 def _cells(row: dict[str, Any]) -> list[str]:
     paper = row["paper_success"]
     return [
