@@ -95,7 +95,7 @@ def _step(row: dict[str, Any], settings: ExperimentSettings, model: ForwardModel
     """Everything that the panels and the canvas show of one decision."""
     hunter = Pose(*(row[f"hunter_{k}"] for k in Pose._fields))
     target = _polar(row, "target")
-    predicted = _stored_path(row, "predicted")
+    predicted = _moving(_stored_path(row, "predicted"))
     plan = [str(gait) for gait in row["planned_gaits"]]
     prey_rows = [] if row.get("prey_table") is None else [list(map(float, cell)) for cell in row["prey_table"]]
     observed = _polar(row, "observed")
@@ -154,6 +154,13 @@ def _stored_path(row: dict[str, Any], name: str) -> Polar | None:
     """A path kept in the table: Polar of arrays [T + 1]."""
     parts = [row.get(f"{name}_{k}") for k in Polar._fields]
     return None if any(part is None for part in parts) else Polar(*(np.asarray(part, dtype=float) for part in parts))
+
+
+def _moving(path: Polar | None) -> Polar | None:
+    """The path, or None where the prey is taken to stand still: there is nothing to draw."""
+    if path is None or (np.ptp(path.forward) < 1e-9 and np.ptp(path.right) < 1e-9):
+        return None
+    return path
 
 
 def _expected_path(gaits: list[str], model: ForwardModel | None) -> Polar | None:
