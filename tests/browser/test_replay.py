@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import pytest
 from waiting import wait_until
@@ -226,3 +227,19 @@ def test_it_fits_the_screen_in_both_themes(open_page, replays):
             assert over == []
     assert grounds[0] != grounds[1]
     assert not watch.errors
+
+
+def test_names_from_outside_stay_text(open_page, episodes, tmp_path):
+    nasty = '</script><img src=x onerror="document.title=1"><b>'
+    episode = episodes["planning"]
+    frame = episode.frame.assign(gait=nasty, planned_gaits=[[nasty]] * len(episode.frame), objective=nasty)
+    record = {**episode.provenance["settings"], "note": nasty}
+    provenance = {**episode.provenance, "planner": nasty, "settings": record}
+    write_replay(replace(episode, frame=frame, provenance=provenance), tmp_path / "nasty.html")
+    page, watch = open_page(tmp_path / "nasty.html")
+    assert page.locator("[data-part=heading]").inner_text() == f"Decision 1: {nasty}"
+    assert page.locator("h1").inner_text().startswith(nasty)
+    assert page.title().startswith(nasty)
+    assert page.locator("img, b").count() == 0
+    assert not watch.errors
+    assert len(watch.requests) == 1
