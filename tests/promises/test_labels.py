@@ -43,7 +43,7 @@ def in_pgmpy(path, evidence):
 
 def in_pyagrum(path, evidence):
     gum = pytest.importorskip("pyagrum")
-    net = gum.loadBN(str(path))
+    net = gum.loadBN(str(path.rename(path.with_suffix(".bifxml"))))  # it goes by the name's ending
     asked = gum.getPosterior(net, target="Gait", evs=evidence)
     return dict(zip(net.variable("Gait").labels(), asked.toarray(), strict=True))
 
