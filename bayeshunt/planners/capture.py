@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners.lookahead import gait_paths
 from bayeshunt.planners.rollouts import GaitTree
 
 
@@ -45,9 +45,7 @@ class CapturePaths:
     """
 
     def __init__(self, model: ForwardModel, depth: int, max_transitions: int) -> None:
-        paths = model.mean_paths
-        if paths is None:
-            raise InputError("this planner needs part-way poses; fit the model to a table with path_ columns")
+        paths = gait_paths(model)
         self.duration = model.gaits.duration
         self.points = paths.shape[1]
         self.interval = self.duration / self.points

@@ -1,0 +1,113 @@
+"""Classical guidance: where each baseline aims, and the Kalman filter behind one of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from planner_cases import BODY, STEP
+
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import Polar
+from bayeshunt.models.prey import PreyModel
+from bayeshunt.planners.base import Situation
+from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
+from bayeshunt.planners.steering import intercept_time, prey_track
+
+
+def situation(prey: Polar, transitions: tuple[Polar, ...] = ()) -> Situation:
+    return Situation(prey, PreyModel(), body_length=BODY, time_step=STEP, transitions=transitions)
+
+
+@pytest.mark.parametrize(
+    ("prey", "gait"),
+    [
+        (Polar(1.0, 0.0, 0.0), "straight"),
+        (Polar(0.19, 0.45, 0.0), "right"),
+        (Polar(0.19, -0.45, 0.0), "left"),
+        (Polar(0.09, 0.0, 0.0), "slow"),
+    ],
+)
+def test_pure_pursuit_goes_where_the_prey_is(model, prey, gait):
+    seen = (Polar(0.16, 1.0, 1.0),) * 3  # how the prey moves is none of its business
+    plan = PurePursuit(model).plan(situation(prey, seen), rng=np.random.default_rng(0))
+    assert plan.gait == gait
+    assert plan.value == plan.trace["value"].min()
+
+
+def test_the_track_undoes_the_transitions():
+    """Forward: from a first pose through known transitions; backward: the track from the last pose."""
+    moves = (Polar(0.16, 0.1, 0.3), Polar(0.15, -0.2, -0.5), Polar(0.17, 0.0, 1.2))
+    poses = [Polar(0.4, 2.0, -1.0)]
+    for move in moves:
+        poses.append(poses[-1].compose(move))
+    track = prey_track(situation(poses[-1], moves))
+    for index, pose in enumerate(poses):
+        assert [float(part[index]) for part in track] == pytest.approx(list(pose), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("ahead", "right", "v_ahead", "v_right"), [(0.3, 0.1, 0.03, 0.01), (0.3, 0.0, -0.04, 0.0), (-0.2, 0.4, 0.0, -0.05)]
+)
+def test_the_intercept_time_solves_the_race(ahead, right, v_ahead, v_right):
+    time = intercept_time(ahead, right, v_ahead, v_right, 0.0576, BODY)
+    assert math.hypot(ahead + v_ahead * time, right + v_right * time) == pytest.approx(0.0576 * time + BODY)
+
+
+def test_the_intercept_time_of_a_prey_in_reach_or_out_of_it():
+    assert intercept_time(0.05, 0.0, 0.5, 0.0, 0.05, BODY) == 0.0
+    assert intercept_time(0.5, 0.0, 0.5, 0.0, 0.05, BODY) == math.inf
+    assert intercept_time(0.5, 0.0, -0.05, 0.0, 0.05, BODY) == pytest.approx((0.5 - BODY) / 0.1)
+
+
+def test_the_kalman_filter_finds_a_constant_velocity(model):
+    """Exact observations of a prey that keeps its velocity: position and velocity come out."""
+    moves = (Polar(0.15, 0.0, 0.0),) * 8
+    now = Polar(0.5, 0.7, 1.1)
+    ahead, right, v_ahead, v_right = ConstantVelocity(model)._estimate(situation(now, moves))
+    speed = 0.15 / STEP
+    assert (ahead, right) == pytest.approx((now.forward, now.right), abs=2e-3)
+    assert (v_ahead, v_right) == pytest.approx((speed * math.cos(1.1), speed * math.sin(1.1)), rel=0.05)
+
+
+def test_constant_velocity_leads_its_target(model):
+    """A prey ahead that crosses to the right is met to the right; a standing one is met where it is."""
+    prey = Polar(0.3, 0.0, 0.5 * math.pi)
+    planner = ConstantVelocity(model)
+    crossing = planner.plan(situation(prey, (Polar(0.1, 0.0, 0.0),) * 4), rng=np.random.default_rng(0))
+    assert crossing.target is not None
+    assert crossing.target.angle > 0.2
+    assert crossing.prey_known
+    first = planner.plan(situation(prey), rng=np.random.default_rng(0))
+    assert first.target == pytest.approx(Polar(0.3, 0.0, 0.0), abs=1e-9)
+    assert not first.prey_known
+
+
+def test_proportional_navigation_turns_with_the_line_of_sight(model):
+    planner = ProportionalNavigation(model)
+    turns = []
+    for heading in (0.5 * math.pi, -0.5 * math.pi):  # crossing to the right, to the left
+        case = situation(Polar(0.5, 0.0, heading), (Polar(0.1, 0.0, 0.0),) * 2)
+        gait = planner.plan(case, rng=np.random.default_rng(0)).gait
+        turns.append(float(model.predict(gait).heading))
+    assert turns[0] > 0.1 > -0.1 > turns[1]
+
+
+def test_proportional_navigation_holds_a_collision_course(model):
+    """A prey that moves as the hunter does, far ahead and closing head-on: the bearing is constant, go straight."""
+    case = situation(Polar(1.0, 0.0, math.pi), (Polar(0.1, 0.0, 0.0),) * 2)
+    assert ProportionalNavigation(model).plan(case, rng=np.random.default_rng(0)).gait == "straight"
+
+
+@pytest.mark.parametrize(
+    ("factory", "setting"),
+    [
+        (ProportionalNavigation, {"navigation_constant": 0.0}),
+        (ConstantVelocity, {"acceleration": -1.0}),
+        (ConstantVelocity, {"position": "small"}),
+    ],
+)
+def test_wrong_settings(factory, setting, model):
+    with pytest.raises(InputError, match=next(iter(setting))):
+        factory(model, **setting)
