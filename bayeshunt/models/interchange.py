@@ -120,7 +120,7 @@ def _labels(found: Any, path: Path, name: str) -> dict[str, list[str]]:
     try:
         known = json.loads(beside.read_text(encoding="utf-8"))
         return {v: [str(known[v].get(s, s)) for s in names] for v, names in states.items()}
-    except (OSError, ValueError, KeyError, AttributeError):
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
         raise InputError(f"{beside}: not a label map of {name}; export again or remove it") from None
 
 
@@ -141,7 +141,8 @@ def _axes(labels: dict[str, list[str]], name: str) -> EffectAxes:
 def _width(labels: list[str], name: str) -> float:
     """Bin width [m] from labels such as "0-5.7 mm", "5.7-11.4 mm"."""
     try:
-        return max(float(label.removesuffix(" mm").split("-")[1]) for label in labels) / len(labels) / 1000
+        reach = max(float(label.removesuffix(" mm").split("-")[1]) for label in labels)
+        return round(reach / len(labels), 9) / 1000  # labels are in millimetres, rounded
     except (IndexError, ValueError):
         raise InputError(
             f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; "

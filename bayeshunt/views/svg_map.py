@@ -137,7 +137,7 @@ def gait_key(names: Sequence[str]) -> Html:
     """Return the colours of the gaits in a list beside a map."""
     rows = []
     for index, name in enumerate(names[:40]):
-        swatch = tag("svg", svg.box(0, 0, 12, 12, fill=theme.gait_colour(index), rx=2), width=12, height=12)
+        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=theme.gait_colour(index), rx=2), label="colour")
         look = "display:flex;gap:8px;align-items:center"
         rows.append(tag("div", swatch, tag("span", name), style=look))
     return tag("div", *rows)

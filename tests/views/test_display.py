@@ -1,0 +1,354 @@
+"""What a notebook and a terminal show: valid, escaped, complete, and equal to the models' own numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+from html_checks import NASTY, Reader
+
+import bayeshunt as bh
+from bayeshunt import displays
+from bayeshunt.views import display_html, display_tables, display_text, svg_network, theme
+
+#: Elements that a display needs; none that runs code, loads anything or leaves the page.
+ALLOWED = {
+    "div", "span", "style", "dl", "dt", "dd", "details", "summary", "label", "input", "table", "thead", "tbody", "tr",
+    "th", "td", "svg", "g", "rect", "circle", "polyline", "polygon", "path", "text", "title",
+}  # fmt: skip
+
+
+def check(html: str) -> Reader:
+    """Read a display and check that it cannot do anything but be looked at."""
+    page = Reader(html)
+    for element in page.elements:
+        assert element["tag"] in ALLOWED, element["tag"]
+        for name, value in element["attributes"].items():
+            assert not name.startswith("on"), name
+            assert name not in ("href", "src", "action", "srcset"), name
+            assert name == "xmlns" or "://" not in (value or ""), value
+            assert name != "style" or re.fullmatch(r"[a-z0-9.%:;\-]+", value), value
+    for sheet in page.find("style"):
+        assert "@import" not in sheet["text"]
+        assert "url(" not in sheet["text"]
+    return page
+
+
+# --- everything ------------------------------------------------------------------------------------
+
+
+def test_html_is_valid_and_harmless(thing) -> None:
+    page = check(thing._repr_html_())
+    assert page.find("div", "bh-title")[0]["text"].strip()
+    for row in page.find("tr"):
+        assert row["parents"][-1] in ("thead", "tbody")
+    for cell in page.find("td"):
+        assert cell["parents"][-1] == "tr"
+    for drawing in page.find("svg"):
+        size = [float(n) for n in drawing["attributes"]["viewbox"].split()]
+        assert len(size) == 4
+        assert min(size[2:]) > 0
+
+
+def test_rows_of_a_table_have_as_many_cells_as_its_head(thing) -> None:
+    html = thing._repr_html_()
+    for table in re.findall(r"<table.*?</table>", html, re.S):
+        widths = {len(re.findall(r"<t[hd][ >]", row)) for row in re.findall(r"<tr.*?</tr>", table, re.S)}
+        assert len(widths) == 1, widths
+
+
+def test_text_form_reads_well(thing) -> None:
+    text = str(thing)
+    lines = text.splitlines()
+    assert len(lines) >= 2
+    assert max(map(len, lines)) <= 140
+    assert all(line == line.rstrip() for line in lines)
+    assert "object at 0x" not in text
+    assert "nan" not in text
+    assert len(repr(thing)) < 160
+    assert "\n" not in repr(thing)
+
+
+def test_nothing_draws_without_a_drawer(shown) -> None:
+    try:
+        displays.arrange(None)
+        assert shown.model._repr_html_() is None
+        assert str(shown.plan) == repr(shown.plan)
+    finally:
+        displays.arrange("bayeshunt.views.display")
+    assert shown.model._repr_html_()
+
+
+def test_strangers_are_refused() -> None:
+    with pytest.raises(TypeError, match="draws a int"):
+        displays.to_html(3)
+    with pytest.raises(TypeError, match="prints a int"):
+        displays.to_text(3)
+
+
+# --- escaping --------------------------------------------------------------------------------------
+
+
+def test_no_name_becomes_code(nasty) -> None:
+    for thing in nasty.things:
+        check(thing._repr_html_())
+
+
+def test_names_are_shown_as_they_are(nasty) -> None:
+    page = check(nasty.model._repr_html_())
+    heads = {e["text"] for e in page.find("th")}
+    assert set(NASTY) <= heads
+
+
+def test_terminals_obey_no_name(nasty) -> None:
+    for thing in nasty.things:
+        text = str(thing)
+        assert "\x1b" not in text
+        assert all(c == "\n" or c.isprintable() for c in text)
+
+
+def test_tags_escape_text_and_attributes() -> None:
+    html = display_html.tag("td", "<b>", title='"<&', open=True, hidden=None)
+    assert html == '<td title="&quot;&lt;&amp;" open>&lt;b&gt;</td>'
+    assert display_html.tag("p", html) == f"<p>{html}</p>"
+
+
+# --- tables ----------------------------------------------------------------------------------------
+
+HINT = re.compile(
+    r"P\((?P<bin>.*?) \| (?P<gait>.*)\) = (?P<p>[\d.]+), 95 % interval (?P<low>[\d.]+) to (?P<high>[\d.]+), "
+    r"(?P<n>\d+) of (?P<total>\d+) rows"
+)
+
+
+def test_every_cell_carries_its_count_and_interval(shown) -> None:
+    table = shown.table
+    page = check(table._repr_html_())
+    cells = page.find("td")
+    assert len(cells) == table.probability.size
+    for cell, (row, column) in zip(cells, np.ndindex(table.probability.shape), strict=True):
+        told = HINT.fullmatch(cell["attributes"]["title"])
+        assert told["bin"] == f"Angle = {table.probability.index[row]}"
+        assert told["gait"] == table.probability.columns[column]
+        for name, frame in (("p", table.probability), ("low", table.low), ("high", table.high)):
+            assert float(told[name]) == pytest.approx(frame.iloc[row, column], abs=5.1e-5)
+        assert int(told["n"]) == table.count.iloc[row, column]
+        assert int(told["total"]) == table.count.iloc[:, column].sum()
+
+
+def test_the_switch_shows_counts(shown) -> None:
+    page = check(shown.table._repr_html_())
+    assert len(page.find("input")) == 1
+    counts = [e["text"] for e in page.find("span", "bh-n")]
+    expected = ["·" if n == 0 else str(n) for n in shown.table.count.to_numpy().ravel()]
+    assert counts == expected
+    sheet = page.find("style")[0]["text"]
+    assert ".bh-table:has(.bh-switch input:checked) .bh-n{display:inline}" in sheet
+
+
+def test_darker_cells_are_likelier(shown) -> None:
+    page = check(shown.table._repr_html_())
+    shades = [float((c["attributes"].get("style") or "--p:0").removeprefix("--p:")) for c in page.find("td")]
+    values = shown.table.probability.to_numpy().ravel()
+    order = np.argsort(values, kind="stable")
+    assert np.all(np.diff(np.array(shades)[order]) >= -0.011)
+    assert max(shades) == 1.0
+
+
+def test_long_tables_show_the_likeliest_bins(khepera_frame, khepera_model) -> None:
+    axes = bh.EffectAxes.standard(0.057, angle_bins=720)
+    table = bh.ForwardModel.fit(khepera_frame, khepera_model.gaits, axes=axes).table("Angle")
+    page = check(table._repr_html_())
+    assert len(page.find("tr")) == display_tables.MOST_ROWS + 1
+    assert f"{720 - display_tables.MOST_ROWS} bins are not shown" in page.text
+    kept = [e["text"] for e in page.find("th") if e["attributes"]["scope"] == "row"]
+    seen = table.count.index[table.count.to_numpy().any(axis=1)]
+    assert set(seen) <= set(kept)
+    assert kept == [label for label in table.count.index if label in set(kept)]
+
+
+def test_headers_stick_and_tables_scroll() -> None:
+    sheet = theme.style()
+    assert re.search(r"\.bh thead th\{position:sticky;top:0", sheet)
+    assert re.search(r"\.bh tbody th\{position:sticky;left:0", sheet)
+    assert re.search(r"\.bh \.bh-scroll\{overflow:auto;max-height", sheet)
+
+
+# --- models and answers ----------------------------------------------------------------------------
+
+
+def test_network_shows_the_marginals(shown) -> None:
+    page = check(svg_network.network(shown.model))
+    prior = shown.model.probabilities("Gait")
+    titles = [e["text"] for e in page.find("title")]
+    for name, share in zip(shown.model.gaits.names, prior, strict=True):
+        assert f"{name}: {share:.4g}" in titles
+    for effect in ("Distance", "Angle", "Heading"):
+        marginal = shown.model.probabilities(effect) @ prior
+        for label, share in zip(shown.model.axes[effect].labels, marginal, strict=True):
+            assert (f"{effect} {label}: {share:.4g}" in titles) == (share > 0)
+
+
+def test_posterior_of_the_heading_is_that_of_the_engine(shown) -> None:
+    from pgmpy.inference import VariableElimination
+
+    for model in (shown.model, shown.joint):
+        answer = bh.InverseModel(model).posterior(0.15, 0.4)
+        ours = svg_network.posteriors(answer)["Heading"]
+        engine = VariableElimination(model.network).query(["Heading"], evidence=answer.evidence, show_progress=False)
+        theirs = [engine.get_value(Heading=label) for label in model.axes.heading.labels]
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12)
+
+
+def test_edges_among_effects_are_drawn(shown) -> None:
+    def arrows(model) -> int:
+        return len(check(svg_network.network(model)).find("polygon"))
+
+    for model in (shown.model, shown.tree, shown.joint):
+        assert arrows(model) == len(model.structure.edges)
+
+
+def test_answers_show_what_they_rest_on(shown) -> None:
+    for answer in (shown.answer, shown.snapped):
+        page = check(answer._repr_html_())
+        for part in (*answer.evidence.values(), f"{answer.support} babbling rows"):
+            assert part in page.text
+            assert part in str(answer)
+        assert display_html.number(answer.evidence_probability, 4) in page.text
+        assert f"{answer.evidence_probability:.6g}" in str(answer)
+        lit = [e["text"] for e in page.find("tr", "bh-lit")]
+        assert lit
+        assert all(text.startswith(answer.best) for text in lit)
+
+
+def test_snapping_is_said(shown) -> None:
+    assert shown.snapped.snapped
+    assert "never babbled" in shown.snapped._repr_html_()
+    exact = shown.inverse.posterior(*shown.inverse.posterior(0.15, 0.4).cell[2:4])
+    assert not exact.snapped
+    assert "never babbled" not in exact._repr_html_()
+
+
+def test_a_bar_is_as_long_as_its_probability(shown) -> None:
+    page = check(shown.answer._repr_html_())
+    widths = [float(e["attributes"]["style"][6:-1]) for e in page.find("span", "bh-bar")]
+    np.testing.assert_allclose(widths, 100 * shown.answer.values / shown.answer.values.max(), atol=0.06)
+
+
+def test_explanation_is_the_answers_own(shown) -> None:
+    page = check(shown.answer._repr_html_())
+    frame = shown.answer.explain()
+    for gait, row in frame.iterrows():
+        numbers = "".join(display_html.number(row[c]) for c in ("prior", "Distance", "Angle", "log_odds"))
+        assert any(e["text"] == f"{gait}{row['reference']}{numbers}" for e in page.find("tr"))
+
+
+def test_prey_table_lists_every_cell(shown) -> None:
+    page = check(shown.prey._repr_html_())
+    rows = [e["text"] for e in page.find("tr")][1:]
+    frame = shown.prey.cpt()
+    assert len(rows) == len(frame)
+    for labels, row in frame.iterrows():
+        want = f"{''.join(labels)}{row['probability']:.3f}{int(row['count'])}{row['low']:.3f} to {row['high']:.3f}"
+        assert want in rows
+    assert "Nothing observed" in shown.no_prey._repr_html_()
+
+
+def test_nothing_counted_is_said(shown) -> None:
+    assert "Nothing to show yet" in shown.empty._repr_html_()
+    assert "nothing to show yet" in str(shown.empty)
+
+
+# --- plans and hunts -------------------------------------------------------------------------------
+
+
+def test_the_chosen_branch_is_lit_and_open(shown) -> None:
+    trace = shown.plan.trace
+    page = check(shown.plan._repr_html_())
+    lit = [e["text"] for e in page.find("span", "bh-lit")]
+    branch = trace[trace["chosen"]].sort_values("T")
+    assert len(lit) == len(branch)
+    for text, row in zip(lit, branch.to_dict("records"), strict=True):
+        assert (row["gait"] or "now") in text
+        assert display_html.number(row["value_bodies"]) in text
+    unfolded = [e for e in page.find("details") if "open" in e["attributes"]]
+    inner = [row for row in branch.to_dict("records") if row["expanded"]]
+    assert len(unfolded) == 1 + len(inner)  # the fold around the tree, and every inner node of the branch
+
+
+def test_every_node_can_be_walked_to(shown) -> None:
+    page = check(shown.plan._repr_html_())
+    nodes = page.find("details")[1:] + [e for e in page.find("div", "bh-leaf") if "worse" not in e["text"]]
+    families = shown.plan.trace.groupby("parent").size()
+    assert families.max() <= 12  # so none is cut here
+    assert len(nodes) == len(shown.plan.trace)
+
+
+def test_a_plan_without_a_tree_shows_its_posterior(shown) -> None:
+    page = check(shown.aim._repr_html_())
+    rows = [e["text"] for e in page.find("tr")][1:]
+    for gait, share in zip(shown.aim.trace["gait"], shown.aim.posterior, strict=True):
+        assert f"{gait}{share:.4f}" in rows
+
+
+def test_other_traces_are_shown_as_they_are(shown) -> None:
+    import pandas as pd
+
+    trace = pd.DataFrame({"option": ["<a>", "b"], "cost": [0.5, math.inf], "chosen": [True, False]})
+    plan = bh.Plan(gait="a", gaits=("a",), value=1.0, objective="cost", nodes=2, make_trace=lambda: trace)
+    page = check(plan._repr_html_())
+    assert page.find("tr", "bh-lit")[0]["text"].startswith("<a>")
+
+
+def test_a_hunt_shows_every_decision(shown) -> None:
+    for episode in (shown.episode, shown.long, shown.loaded):
+        page = check(episode._repr_html_())
+        rows = page.find("tr")[1:]
+        assert len(rows) == len(episode.frame)
+        for row, gait in zip(rows, episode.frame["gait"], strict=True):
+            assert gait in row["text"]
+        ending = "caught after" if episode.caught else "not caught"
+        assert ending in page.text
+        assert ending in str(episode)
+    assert str(shown.loaded) == str(shown.episode)
+
+
+def test_walls_are_drawn_where_there_are_walls(shown) -> None:
+    assert len(check(shown.long._repr_html_()).find("rect")) == 1
+    assert not check(shown.episode._repr_html_()).find("rect")
+
+
+# --- small pieces ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "·"), (0.0004, "<.001"), (0.25, ".250"), (1.0, "1.000")],
+)
+def test_probabilities_are_short(value: float, text: str) -> None:
+    assert display_html.probability(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "-"), (math.nan, "-"), (math.inf, "∞"), (-math.inf, "−∞"), (-0.5, "−0.5"), (1234.5, "1.23e+03")],
+)
+def test_numbers_are_short(value: float | None, text: str) -> None:
+    assert display_html.number(value) == text
+
+
+def test_sparks_show_whatever_is_not_zero() -> None:
+    assert display_text.spark(np.array([0.0, 1e-9, 0.5, 1.0]), 4) == " ▁▄█"
+    assert display_text.spark(np.zeros(5), 3) == "   "
+    assert len(display_text.spark(np.ones(100), 12)) == 12
+
+
+def test_themes_follow_the_system_and_the_notebook() -> None:
+    sheet = theme.style()
+    assert "@media (prefers-color-scheme:dark)" in sheet
+    for light, dark in theme.COLOURS.values():
+        assert light in sheet
+        assert dark in sheet
+    assert sheet.index("prefers-color-scheme") < sheet.index('data-jp-theme-light="true"')
