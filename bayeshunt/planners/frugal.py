@@ -50,7 +50,8 @@ class Frugal:
     gait just executed counts as a transition.
 
     The search deepens step by step, and stops where looking one step further would cost more planning
-    than the last step further has gained: nodes x ``seconds_per_node`` x the price of planning.
+    than the last step further has gained (the first: than there is to gain): nodes x
+    ``seconds_per_node`` x the price of planning.
 
     time, distance, transitions, planning: the weights (:class:`CostWeights`). depth, max_transitions,
     margin, catch_distance: as in :class:`~bayeshunt.planners.omniscient.Omniscient`. ``rng`` is not used.
@@ -103,7 +104,8 @@ class Frugal:
             costs = self._costs(new, caught, prey, reach, situation)
             shallower, best = best, min(best, float(costs.min()))
             values[new] = costs
-            if self._enough(depth, shallower - best):
+            # looking further can gain at most what is left to pay
+            if self._enough(depth, shallower - best if depth > 1 else best):
                 break
         # a sequence that has not captured is judged by its continuations, where there are any
         values[: new[0]] = np.where(np.isfinite(caught[: new[0]]), values[: new[0]], np.inf)
