@@ -14,8 +14,8 @@ import numpy as np
 from bayeshunt.geometry import Polar, Pose
 from bayeshunt.planners.futures import Futures
 
-#: Legs of a path: straight runs between walls; the last one goes on for ever.
-_LEGS = 9
+#: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
+LEGS = 9
 #: Head-on a prey may turn to either side; this is the angle off head-on [rad] at which the odds are e : 1.
 _HEAD_ON = 0.15
 #: A side that is less probable than this is left out.
@@ -55,12 +55,14 @@ class Walls(NamedTuple):
         return math.atan2(ny, nx) + side * (0.5 * math.pi + self.rebound)
 
 
-def room_futures(prey: Polar, pose: Pose, walls: Walls, speed: float, time_step: float) -> Futures | None:
+def room_futures(
+    prey: Polar, pose: Pose, walls: Walls, speed: float, time_step: float, *, legs: int = LEGS
+) -> Futures | None:
     """Return the prey's paths among ``walls``; None if there is no wall ahead of it.
 
     The prey goes straight at ``speed`` [m/s] and leaves a wall on the side that it came in on. At
     the first wall it may take the other side: ``P = 1 / (1 + exp(|slant| / 0.15))``, a second path.
-    pose: the hunter's, in its starting frame.
+    pose: the hunter's, in its starting frame. legs: straight runs of each path, the last for ever.
     """
     at = Pose(*(float(part) for part in pose.compose(prey)))
     wall, gap = walls.meet(at)
@@ -68,11 +70,11 @@ def room_futures(prey: Polar, pose: Pose, walls: Walls, speed: float, time_step:
         return None
     slant = walls.slant(wall, at.theta)
     side = 1.0 if slant >= 0 else -1.0
-    paths = [_path(at, walls, speed, side)]
+    paths = [_path(at, walls, speed, side, legs)]
     other = 1.0 / (1.0 + math.exp(min(abs(slant) / _HEAD_ON, 700.0)))
     weights = [1.0]
     if other >= _NEGLIGIBLE and speed > 0:
-        paths.append(_path(at, walls, speed, -side))
+        paths.append(_path(at, walls, speed, -side, legs))
         weights = [1.0 - other, other]
     starts, x, y, theta = np.moveaxis(np.array(paths), -1, 0)  # [K, B] each
     dx, dy = x - pose.x, y - pose.y
@@ -90,10 +92,10 @@ def room_futures(prey: Polar, pose: Pose, walls: Walls, speed: float, time_step:
     )
 
 
-def _path(pose: Pose, walls: Walls, speed: float, side: float) -> list[tuple[float, float, float, float]]:
+def _path(pose: Pose, walls: Walls, speed: float, side: float, count: int) -> list[tuple[float, float, float, float]]:
     """Return (start [s], x, y [m], theta [rad]) of each leg; ``side`` is taken at the first wall."""
     legs = [(0.0, pose.x, pose.y, pose.theta)]
-    while len(legs) < _LEGS:
+    while len(legs) < count:
         start, x, y, theta = legs[-1]
         wall, gap = walls.meet(Pose(x, y, theta))
         if wall < 0 or speed <= 0:

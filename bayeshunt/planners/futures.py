@@ -5,6 +5,7 @@ Letters: K futures, B legs, J times.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,3 +85,25 @@ def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int)
         speed=np.full(len(when), speed),
         groups=groups,
     )
+
+
+def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
+    """Return one set of futures from several, each with its probability (any positive scale).
+
+    No leg is foreseen. Futures that do not turn before the next decision cannot be told apart by it.
+    """
+    legs = max(futures.starts.shape[1] for _, futures in parts)
+    weights = np.concatenate([chance * futures.weights for chance, futures in parts])
+    # A leg that never begins may stand anywhere.
+    starts, forward, right, heading = (
+        np.concatenate([_padded(getattr(futures, name), legs, fill) for _, futures in parts])
+        for name, fill in (("starts", np.inf), ("forward", 0.0), ("right", 0.0), ("heading", 0.0))
+    )
+    quiet = np.concatenate([futures.groups == futures.groups[0] for _, futures in parts])
+    groups = np.where(quiet, 0, np.cumsum(~quiet))
+    speed = np.concatenate([futures.speed for _, futures in parts])
+    return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups)
+
+
+def _padded(array: np.ndarray, legs: int, fill: float) -> np.ndarray:
+    return np.concatenate([array, np.full((len(array), legs - array.shape[1]), fill)], axis=1)

@@ -15,6 +15,7 @@ from bayeshunt.planners.belief import BeliefSettings, belief
 from bayeshunt.planners.best_first import PlanningSettings, planning
 from bayeshunt.planners.frugal import Frugal
 from bayeshunt.planners.intercept import InterceptSettings, intercept
+from bayeshunt.planners.intercept_room import RoomGuessSettings, intercept_room
 from bayeshunt.planners.intercept_walls import SETTINGS as ROOM_SETTINGS
 from bayeshunt.planners.intercept_walls import intercept_walls
 from bayeshunt.planners.limits import KinematicLimit
@@ -117,5 +118,6 @@ register_planner("memory", Memory)
 register_planner("memory_place", PlaceMemory)
 register_planner("memory_previous", OrderMemory)
 register_planner("intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)])
+register_planner("intercept_room", intercept_room, settings=[f.name for f in dataclasses.fields(RoomGuessSettings)])
 register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
 register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])
