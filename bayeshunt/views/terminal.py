@@ -21,8 +21,8 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-out = Console(highlight=False)
-messages = Console(stderr=True, highlight=False)
+out = Console(highlight=False, markup=False)  # units stand in square brackets
+messages = Console(stderr=True, highlight=False, markup=False)
 
 _BAR = 30  # characters of a full bar
 
