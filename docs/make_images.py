@@ -1,0 +1,102 @@
+"""Make the pictures of the README: ``python docs/make_images.py``.
+
+Needs the extras ``notebook`` and ``test`` and a Chromium on the path. Everything is made from the
+preset "paper" and seed 0, so the pictures change only when the program does.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from playwright.sync_api import Browser, sync_playwright
+
+import bayeshunt as bh
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.views.figures_hunts import hunts
+from bayeshunt.views.figures_style import save
+from bayeshunt.views.pages import asset, embed
+
+IMAGES = Path(__file__).parent / "images"
+#: Planners of the figure of hunts, and the hunt that all of them get.
+PLANNERS, THETA, SEED = ("reactive", "prediction", "planning", "intercept"), 4.0, 8
+LIMIT = 200_000  # bytes of one picture
+
+_STAND_IN = """
+const values = JSON.parse(document.getElementById("values").textContent);
+const source = new Blob([document.getElementById("widget").textContent], { type: "text/javascript" });
+import(URL.createObjectURL(source)).then((module) => {
+  const model = { get: (name) => values[name], set() {}, save_changes() {}, on() {}, off() {} };
+  module.default.render({ model, el: document.getElementById("place") });
+  document.body.dataset.ready = "yes";
+});
+"""
+
+
+def main() -> None:
+    """Make every picture and check its size."""
+    IMAGES.mkdir(exist_ok=True)
+    settings = bh.load_experiment("paper")
+    model = learn_model(settings, 0)
+    episodes = [
+        bh.hunt(
+            settings,
+            bh.make_planner(name, model, **settings.planner.get(name, {})),
+            arena=arena,
+            theta=THETA,
+            seed=SEED,
+        )
+        for arena in ("walled", "open")
+        for name in PLANNERS
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        png, _ = save(hunts(episodes), folder, "hunts")
+        shutil.copy(png, IMAGES / "hunts.png")
+        chromium = shutil.which("chromium") or sys.exit("no chromium on the path: apt install chromium")
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+            draw_replay(browser, episodes[6], model, Path(folder))
+            draw_explorer(browser, model, Path(folder))
+            browser.close()
+    for name in ("hunts", "replay", "explorer"):
+        size = (IMAGES / f"{name}.png").stat().st_size
+        print(f"{IMAGES / name}.png: {size} bytes")
+        if size > LIMIT:
+            sys.exit(f"{name}.png is larger than {LIMIT} bytes")
+
+
+def draw_replay(browser: Browser, episode: bh.Episode, model: bh.ForwardModel, folder: Path) -> None:
+    """The replay of a planning hunt, some decisions in."""
+    bh.write_replay(episode, folder / "replay.html", model=model)
+    page = browser.new_page(viewport={"width": 1240, "height": 940})
+    page.goto((folder / "replay.html").as_uri())
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.screenshot(path=IMAGES / "replay.png")
+    page.close()
+
+
+def draw_explorer(browser: Browser, model: bh.ForwardModel, folder: Path) -> None:
+    """The explorer's own script and style in a bare page, with the values that Python sends."""
+    smoothed = replace(model, prior=1.0)  # maximum likelihood would be certain almost everywhere
+    explorer = bh.Explorer(smoothed, distance=0.146, angle=0.56)
+    values = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
+    page = browser.new_page(viewport={"width": 860, "height": 480})
+    (folder / "explorer.html").write_text(
+        f"<!doctype html><meta charset='utf-8'><style>{asset('explorer.css')}</style><div id='place'></div>"
+        f"<script type='application/json' id='values'>{embed(json.loads(json.dumps(values)))}</script>"
+        f"<script type='text/plain' id='widget'>{asset('explorer.js')}</script><script>{_STAND_IN}</script>",
+        encoding="utf-8",
+    )
+    page.goto((folder / "explorer.html").as_uri())
+    page.wait_for_selector("body[data-ready]")
+    page.locator(".bh-explorer").screenshot(path=IMAGES / "explorer.png")
+    page.close()
+
+
+if __name__ == "__main__":
+    main()
