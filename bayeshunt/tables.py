@@ -46,14 +46,21 @@ def check_cpt(probabilities: np.ndarray, *, name: str = "CPT", tolerance: float 
 def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
     """Return lower and upper bounds [K, J] of each cell's equal-tailed Dirichlet credible interval.
 
-    The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a). Where the prior is 0 the
-    interval uses Jeffreys' a = 1/2 (a maximum-likelihood table has no posterior of its own).
-    Reference: Gelman et al., Bayesian Data Analysis, 3rd ed., section 3.4.
+    The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a) (Gelman et al., Bayesian Data
+    Analysis, 3rd ed., section 3.4). A maximum-likelihood table (prior 0) has no posterior of its own:
+    each cell then gets the Jeffreys interval against all other cells together, Beta(N + 1/2,
+    sum N - N + 1/2) (Brown, Cai and DasGupta, 2001). A half in every one of K cells would add K / 2
+    rows that nobody saw, and push the interval off the very probability that it belongs to.
     """
     from scipy.stats import beta
 
-    a = prior if prior > 0 else 0.5
-    weights = np.asarray(counts, dtype=float) + a
-    rest = weights.sum(axis=0, keepdims=True) - weights
-    tail = (1.0 - level) / 2.0
-    return beta.ppf(tail, weights, rest), beta.ppf(1.0 - tail, weights, rest)
+    observed = np.asarray(counts, dtype=float)
+    others = observed.sum(axis=0, keepdims=True) - observed
+    if prior > 0:
+        own, rest = observed + prior, others + (len(observed) - 1) * prior
+    else:
+        own, rest = observed + 0.5, others + 0.5
+    # A table of one state leaves nothing to doubt, and Beta(a, 0) is no distribution.
+    tail, alone = (1.0 - level) / 2.0, rest <= 0
+    rest = np.where(alone, 1.0, rest)
+    return np.where(alone, 1.0, beta.ppf(tail, own, rest)), np.where(alone, 1.0, beta.ppf(1.0 - tail, own, rest))

@@ -47,3 +47,16 @@ def test_credible_interval_holds_the_mean_and_narrows():
     assert (few[0] < mean).all()
     assert (mean < few[1]).all()
     assert (many[1] - many[0] < few[1] - few[0]).all()
+
+
+def test_credible_interval_without_a_prior_holds_the_share_in_tall_tables():
+    # 129 of 200 in one of 36 bins: the interval must lie around 0.645, and be that of a plain proportion.
+    counts = np.zeros((36, 1))
+    counts[3], counts[4] = 129, 71
+    low, high = credible_interval(counts)
+    assert low[3, 0] < 0.645 < high[3, 0]
+    np.testing.assert_allclose([low[3, 0], high[3, 0]], [0.5769, 0.7090], atol=5e-4)
+    one = credible_interval(np.array([[1.0]]))
+    assert 0 < one[0][0, 0] < one[1][0, 0] < 1, "one row of one kind is no certainty"
+    certain = credible_interval(np.array([[7.0]]), 0.5)
+    assert (certain[0][0, 0], certain[1][0, 0]) == (1.0, 1.0), "a table of one state has nothing to doubt"

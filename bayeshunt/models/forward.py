@@ -216,7 +216,7 @@ class ForwardModel:
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
 
-        level: probability inside the interval, in (0, 1). With prior 0, Jeffreys' 1/2 is used.
+        level: probability inside the interval, in (0, 1). With prior 0, the Jeffreys interval.
         """
         self._check_variable(variable)
         if not 0.0 < level < 1.0:

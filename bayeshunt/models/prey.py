@@ -90,8 +90,8 @@ class PreyModel:
     def cpt(self) -> pd.DataFrame:
         """Return columns probability, count, low, high of every cell seen; the table sums to 1.
 
-        low, high: 95 % credible interval (Jeffreys' prior over the cells seen). Empty before the
-        first observation.
+        low, high: 95 % Jeffreys interval of each cell against all others. Empty before the first
+        observation.
         """
         cells, counts = self._table()
         low, high = tables.credible_interval(counts[:, None]) if len(counts) else (np.zeros((0, 1)),) * 2
