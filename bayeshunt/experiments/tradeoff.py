@@ -55,15 +55,17 @@ def tradeoff(
     settings = load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
     vary = {"transitions": VARIED["transitions"]} if vary is None else vary
     weights = _weights(settings)
-    model = learn_model(settings, seed)
-    cases: list[tuple[str, str, float]] = [(name, "", float("nan")) for name in planners]
-    cases += [(WEIGHED, weight, float(value)) for weight, values in vary.items() for value in values]
-    rows = []
-    for planner, weight, value in cases:
-        changes = {f"planner.{WEIGHED}.{weight}": value} if weight else {}
-        if weight and weight not in vars(weights):
+    cases = [(name, "", float("nan"), settings) for name in planners]
+    for weight, values in vary.items():
+        if weight not in vars(weights):
             raise InputError(f"unknown weight {weight!r}; expected one of {', '.join(vars(weights))}")
-        point = load_experiment(settings, changes)
+        for value in values:
+            point = load_experiment(settings, {f"planner.{WEIGHED}.{weight}": value})
+            _weights(point)  # a wrong value fails here, before any work
+            cases.append((WEIGHED, weight, float(value), point))
+    model = learn_model(settings, seed)
+    rows = []
+    for planner, weight, value, point in cases:
         hunts = evaluate(
             point, seed=seed, jobs=jobs, planners=[planner], arenas=[arena], model=model, progress=progress
         )

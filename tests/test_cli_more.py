@@ -1,0 +1,99 @@
+"""Commands that go beyond the paper, as a user types them: sweep, tradeoff, reference, remember, --set."""
+
+import json
+
+import pytest
+
+from bayeshunt.cli import main
+
+SMALL = ["--set", "protocol.thetas=[3.0]", "--set", "model.babbling_steps=300", "--jobs", "1", "--quiet"]
+
+
+@pytest.fixture
+def bayeshunt(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments, status=0):
+        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        out, err = capfd.readouterr()
+        assert stopped.value.code == status, err
+        return out, err
+
+    return run
+
+
+def test_sweep(bayeshunt, tmp_path):
+    (tmp_path / "grid.toml").write_text('gaits = [3, 10]\n[prey]\nbehaviour = ["straight"]\n')
+    out, _ = bayeshunt("sweep", "--grid", "grid.toml", "--planner", "prediction", "--planner", "kinematic_limit",
+                       "--arena", "open", "--runs", "1", "--out", "s", "--json", *SMALL)  # fmt: skip
+    facts = json.loads(out)
+    assert facts["axes"] == ["gaits", "prey.behaviour"]
+    assert len(facts["rows"]) == 4
+    assert {"gaits", "prey.behaviour", "planner", "success", "ci_low", "mean_time_s"} <= set(facts["rows"][0])
+    assert sorted(p.name for p in (tmp_path / "s").iterdir() if p.is_file()) == [
+        "sweep.csv", "sweep.json", "sweep.png", "sweep.svg"
+    ]  # fmt: skip
+    out, _ = bayeshunt("sweep", "--axis", "speed_ratio=0.5", "--planner", "prediction", "--arena", "open",
+                       "--runs", "1", *SMALL)  # fmt: skip
+    assert "speed_ratio" in out
+    assert "95 % Wilson" in out
+
+
+def test_tradeoff(bayeshunt, tmp_path):
+    out, _ = bayeshunt("tradeoff", "--vary", "transitions=0,5", "--runs", "1", "--out", "t", "--json", *SMALL)
+    facts = json.loads(out)
+    assert [row["planner"] for row in facts["rows"]] == ["prediction", "planning", "frugal", "frugal"]
+    assert facts["rows"][0]["value"] is None
+    assert (tmp_path / "t" / "tradeoff.png").stat().st_size > 1000
+    out, _ = bayeshunt("tradeoff", "--vary", "transitions=1", "--runs", "1", *SMALL)
+    assert "transitions 1" in out
+
+
+def test_reference_and_memory_to_evaluation(bayeshunt):
+    small = SMALL[:4]
+    out, _ = bayeshunt("reference", "--out", "ref.npz", "--samples", "2", "--angles", "8", *small, "--json")
+    assert json.loads(out)["states"] > 0
+    out, _ = bayeshunt("remember", "--out", "mem.json", "--runs", "1", "--arena", "open", *small, "--json")
+    assert json.loads(out)["transitions"] > 0
+    out, _ = bayeshunt(
+        "evaluate", "--planner", "reference", "--planner", "memory_place", "--planner", "prediction", "--arena", "open",
+        "--runs", "1", "--set", "planner.reference.table=ref.npz", "--set", "planner.memory_place.tables=mem.json",
+        "--out", "r", "--json", *SMALL,
+    )  # fmt: skip
+    facts = json.loads(out)
+    assert facts["not_ab_initio"] == ["memory_place", "reference"]
+    out, _ = bayeshunt("evaluate", "--planner", "kinematic_limit", "--runs", "1", *SMALL)
+    assert "kinematic_limit *" in out
+    assert "not ab initio" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["sweep", "--axis", "speed"], "--axis speed: expected one of speed_ratio"),
+        (["sweep", "--axis", "noise=loud"], "noise: expected a number"),
+        (["sweep", "--grid", "none.toml"], "none.toml: cannot be read"),
+        (["sweep", "--planner", "nobody"], "unknown planner 'nobody'"),
+        (["sweep", "--axis", "prey.sped=1"], "did you mean 'speed'"),
+        (["tradeoff", "--vary", "speed"], "--vary speed: expected one of distance"),
+        (["tradeoff", "--vary", "transitions=-1"], "transitions must be a number of at least 0"),
+        (["tradeoff", "--vary", "transitions=few"], "'few' is not a number"),
+        (["reference", "--out", "no/where.npz"], "the folder no does not exist"),
+        (["reference", "--out", "r.npz", "--samples", "0"], "samples: expected a whole number"),
+        (["remember", "--out", "m.json", "--runs", "0"], "runs: expected a whole number"),
+        (["evaluate", "--set", "prey.speed"], "expected KEY=VALUE"),
+        (["evaluate", "--set", "prey.speed=fast"], "prey.speed"),
+        (["evaluate", "--planner", "memory"], "memory: needs the setting tables"),
+        (["evaluate", "--planner", "reference"], "reference: needs the setting table"),
+        (["hunt", "--planner", "kinematic_limit"], "can be evaluated, not hunted with"),
+    ],
+)
+def test_one_line_and_status_2(bayeshunt, arguments, says):
+    quick = ["--set", "model.babbling_steps=200"] if arguments[0] != "hunt" else []
+    out, err = bayeshunt(*arguments, *quick, status=2)
+    assert out == ""
+    assert err.startswith("bayeshunt: ")
+    assert err.count("\n") == 1
+    assert says in err

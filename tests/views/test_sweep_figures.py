@@ -1,0 +1,75 @@
+"""Figures of sweeps and trade-offs: every planner and every point is in them."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from bayeshunt.errors import InputError
+from bayeshunt.views.figures_style import save
+from bayeshunt.views.figures_sweep import sweep_figure
+from bayeshunt.views.figures_tradeoff import tradeoff_figure
+
+
+def a_sweep(values, planners=("planning", "kinematic_limit"), arenas=("open",), **others) -> pd.DataFrame:
+    rows = [
+        {"speed_ratio": value, **others, "planner": planner, "arena": arena, "runs": 7, "caught": 4,
+         "success": 0.5, "ci_low": 0.3, "ci_high": 0.7, "mean_time_s": 30.0 + value}
+        for arena in arenas for value in values for planner in planners
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_every_planner_is_drawn_and_named():
+    figure = sweep_figure(a_sweep([0.5, 0.9, 1.2], arenas=("open", "walled")))
+    assert len(figure.axes) == 4
+    assert [axes.get_title() or axes.get_title("left") for axes in figure.axes[:2]] == ["open", "walled"]
+    top, bottom = figure.axes[0], figure.axes[2]
+    assert [line.get_label() for line in top.lines] == ["planning", "kinematic limit"]
+    assert top.lines[0].get_xdata().tolist() == [0.5, 0.9, 1.2]
+    assert bottom.lines[0].get_ydata().tolist() == [30.5, 30.9, 31.2]
+    assert bottom.get_xlabel() == "prey speed / hunter's top speed"
+    assert len(top.collections) == 1  # an interval for the planner, none for the limit
+
+
+def test_other_axes_make_panels_and_too_many_are_refused():
+    frame = pd.concat([a_sweep([0.5], noise=noise) for noise in (0.0, 1.0)])
+    frame = frame[["speed_ratio", "noise", *[c for c in frame if c not in ("speed_ratio", "noise")]]]
+    figure = sweep_figure(frame)
+    assert [axes.get_title("left") for axes in figure.axes[:2]] == ["open, noise = 0.0", "open, noise = 1.0"]
+    with pytest.raises(InputError, match="7 panels are too many"):
+        sweep_figure(a_sweep([1.0], arenas=tuple("abcdefg")))
+
+
+def test_values_that_are_no_numbers_keep_their_order():
+    frame = a_sweep([0.5, 0.9], planners=("planning",))
+    frame["speed_ratio"] = ["straight", "evader"]
+    figure = sweep_figure(frame)
+    assert [label.get_text() for label in figure.axes[1].get_xticklabels()] == ["straight", "evader"]
+
+
+def test_the_files_are_the_same_twice(tmp_path):
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        paths = save(sweep_figure(a_sweep([0.5, 0.9])), tmp_path / folder, "sweep")
+    assert [path.suffix for path in paths] == [".png", ".svg"]
+    for path in paths:
+        assert path.read_bytes() == (tmp_path / "one" / path.name).read_bytes()
+
+
+def test_a_tradeoff_joins_the_values_of_a_weight():
+    rows = [
+        ("planning", "", float("nan"), 5.0),
+        ("frugal", "transitions", 0.0, 2.0),
+        ("frugal", "transitions", 9.0, 1.0),
+    ]
+    frame = pd.DataFrame(
+        [{"planner": p, "weight": w, "value": v, "mean_transitions": m, "mean_distance_m": m / 2, "mean_time_s": 20 + m}
+         for p, w, v, m in rows]
+    )  # fmt: skip
+    frame.attrs["arena"] = "open"
+    left, right = tradeoff_figure(frame).axes
+    assert [line.get_label() for line in left.lines] == ["planning", "frugal, price of transitions"]
+    assert left.lines[1].get_xdata().tolist() == [2.0, 1.0]
+    assert right.lines[1].get_xdata().tolist() == [1.0, 0.5]
+    assert [text.get_text() for text in left.texts] == ["0", "9"]
