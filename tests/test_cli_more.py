@@ -66,7 +66,7 @@ def test_reference_and_memory_to_evaluation(bayeshunt):
     assert facts["not_ab_initio"] == ["memory_place", "reference"]
     out, _ = bayeshunt("evaluate", "--planner", "kinematic_limit", "--runs", "1", *SMALL)
     assert "kinematic_limit *" in out
-    assert "not ab initio" in " ".join(out.split())
+    assert "Not ab initio" in " ".join(out.split())
 
 
 @pytest.mark.parametrize(

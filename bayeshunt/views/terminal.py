@@ -82,7 +82,7 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
     if marked:
-        out.print("* not ab initio: given more than it learns within the run (a bound, or earlier experience)", style="dim")
+        out.print("* Not ab initio: given more than it learns within the run (a bound, or earlier runs).", style="dim")
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
 
 
