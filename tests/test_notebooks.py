@@ -1,0 +1,83 @@
+"""The notebooks: clean files (fast), and every cell run from start to end (slow)."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+
+FOLDER = Path(__file__).parent.parent / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+#: What a reader of a notebook has installed with bayeshunt[notebook], and may have to know.
+ALLOWED = {"bayeshunt", "numpy", "pandas", "matplotlib", "IPython"}
+
+each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem[:2])
+
+
+def code_of(notebook: nbformat.NotebookNode) -> str:
+    """All code cells as one Python module, without magics."""
+    cells = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+    return "\n".join(line for cell in cells for line in cell.splitlines() if not line.startswith("%"))
+
+
+def test_all_seven_are_there() -> None:
+    assert [path.stem[:2] for path in NOTEBOOKS] == [f"{n:02d}" for n in range(1, 8)]
+
+
+@each_notebook
+def test_files_are_clean(path: Path) -> None:
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    ids = [cell.id for cell in notebook.cells]
+    assert len(set(ids)) == len(ids)
+    for cell in notebook.cells:
+        assert cell.source.strip(), f"{cell.id} is empty"
+        if cell.cell_type == "code":
+            assert not cell.outputs, f"{cell.id}: strip the outputs"
+            assert cell.execution_count is None, f"{cell.id}: strip the execution count"
+    assert not re.search(r"/home/|/root|/work/|C:\\\\Users", path.read_text()), "a path of somebody's machine"
+
+
+@each_notebook
+def test_opens_with_a_question_and_a_figure(path: Path) -> None:
+    notebook = nbformat.read(path, as_version=4)
+    first, second = notebook.cells[:2]
+    assert first.cell_type == "markdown"
+    assert first.source.startswith(f"# {int(path.stem[:2])}. ")
+    assert re.search(r"\*\*[^*]+\?\*\*", first.source), "the question, in bold"
+    assert second.cell_type == "code"
+    assert "figures." in second.source or "plt." in second.source
+
+
+@each_notebook
+def test_uses_the_public_interface_only(path: Path) -> None:
+    import bayeshunt
+
+    tree = ast.parse(code_of(nbformat.read(path, as_version=4)))
+    for node in ast.walk(tree):
+        names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        for name in names:
+            room = name.split(".")
+            assert room[0] in ALLOWED | set(sys.stdlib_module_names), name
+            assert room[0] != "bayeshunt" or room[1:] in ([], ["views"]), f"{name}: only bayeshunt and bayeshunt.views"
+        if isinstance(node, ast.Attribute):
+            assert not node.attr.startswith("_") or node.attr == "_fields", f"private: {node.attr}"
+            if isinstance(node.value, ast.Name) and node.value.id == "bh":
+                assert node.attr in bayeshunt.__all__, f"bh.{node.attr} is not public"
+
+
+@pytest.mark.slow
+@each_notebook
+def test_runs_from_start_to_end(path: Path, tmp_path: Path) -> None:
+    """With nbmake, each cell at most 60 s."""
+    command = [sys.executable, "-m", "pytest", "-q", "--nbmake", "--nbmake-timeout=60", "-p", "no:cacheprovider",
+               "-o", "addopts=", str(path)]  # fmt: skip
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=FOLDER.parent, check=False)
+    assert ran.returncode == 0, ran.stdout[-3000:]
+    assert "1 passed" in ran.stdout
