@@ -15,8 +15,10 @@ from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.store import NOT_AB_INITIO
 from bayeshunt.files import write_text
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners.registry import is_ab_initio
 from bayeshunt.settings import parse
 from bayeshunt.views.commands import SETTINGS_FILE, evaluate_command, model_option, preset_of, to_toml
 from bayeshunt.views.pages import embed, render
@@ -85,6 +87,7 @@ def report_facts(
         "totals": [row for row in rows if row["theta"] is None],
         "bearings": [row for row in rows if row["theta"] is not None],
         "looks": list(looks.values()),
+        "marked": [name for name in planners if not is_ab_initio(name)], "mark": NOT_AB_INITIO,
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],

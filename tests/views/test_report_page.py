@@ -42,6 +42,14 @@ def test_the_table_says_what_summarise_says(facts, results):
     assert "bayeshunt evaluate --preset paper --runs 2 --seed 4 --model model.json --out results" in html
 
 
+def test_planners_that_know_more_are_marked(results, khepera_model):
+    renamed = with_attrs(results.assign(planner=results["planner"].replace("planning", "omniscient")), results)
+    html = report_html(report_facts(renamed, model=khepera_model))
+    assert '<th scope="row">omniscient *</th>' in html
+    assert '<th scope="row">reactive</th>' in html
+    assert "* Not ab initio" in html
+
+
 def test_charts_put_every_value_at_its_height(facts, results):
     rows = {(r["arena"], r["planner"], r["theta"]): r for r in bh.summarise(results, SETTINGS)}
     for chart in facts["success"]:

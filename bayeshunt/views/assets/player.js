@@ -222,7 +222,7 @@ class Player {
       ["time", `${step.time.toFixed(3)} s`, "time"],
       ["prey seen", `${polar(step.seen)}, heading ${degrees(step.seen[2])}`, "seen"],
       ["aims at", step.target ? polar(step.target) : "no single point", "target"],
-      ["prey model", step.known ? "used" : step.observations ? "not asked" : "empty: prey taken to stand still", "known"],
+      ["prey model", step.known ? "used" : step.observations ? "not asked" : "empty: nothing seen yet", "known"],
     ]);
     this.showBars(step);
     this.showPlan(step);
