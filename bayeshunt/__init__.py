@@ -29,9 +29,13 @@ if TYPE_CHECKING:
         WorkerError,
         ZeroCountError,
     )
+    from bayeshunt.experiments.memories import remember
+    from bayeshunt.experiments.references import reference
     from bayeshunt.experiments.runner import evaluate
     from bayeshunt.experiments.scores import summarise, wilson_interval
     from bayeshunt.experiments.store import load_results, save_results
+    from bayeshunt.experiments.sweep import sweep
+    from bayeshunt.experiments.tradeoff import tradeoff
     from bayeshunt.gaits import Gait, GaitRepertoire
     from bayeshunt.geometry import Polar, Pose, wrap
     from bayeshunt.hunting import hunt
@@ -74,6 +78,10 @@ _HOMES = {
         )
     },
     "evaluate": ("bayeshunt.experiments.runner", "evaluate"),
+    "reference": ("bayeshunt.experiments.references", "reference"),
+    "remember": ("bayeshunt.experiments.memories", "remember"),
+    "sweep": ("bayeshunt.experiments.sweep", "sweep"),
+    "tradeoff": ("bayeshunt.experiments.tradeoff", "tradeoff"),
     **{name: ("bayeshunt.experiments.scores", name) for name in ("summarise", "wilson_interval")},
     **{name: ("bayeshunt.experiments.store", name) for name in ("load_results", "save_results")},
     **{name: ("bayeshunt.gaits", name) for name in ("Gait", "GaitRepertoire")},
