@@ -163,7 +163,10 @@ def draw_transition(axes: Axes, transition: Polar, body_length: float) -> None:
     axes.annotate("one time-step earlier", (0, -diameter / 2), (0, -5), textcoords="offset points", ha="center",
                   va="top", color=FAINT)  # fmt: skip
     frame_axes(axes)
-    axes.margins(0.45, 0.2)
+    low, high = min(0.0, ahead) - diameter * 1.6, max(reach * 0.72, ahead + diameter * 1.5) + diameter * 0.9
+    middle, half = right / 2, max((high - low) / 2, abs(right) / 2 + diameter * 2.2)
+    axes.set_xlim(middle - half, middle + half)
+    axes.set_ylim(low, high)
     axes.set_aspect("equal", adjustable="box")
     axes.set_title("A transition of the prey")
 
@@ -209,7 +212,7 @@ def prey(transition: Polar, learned: PreyModel, body_length: float) -> Figure:
     """Return the paper's figure 2: a prey transition beside the learned prey table."""
     rows = min(len(learned.counts), _MOST_CELLS)
     figure = Figure(figsize=(7.4, max(3.4, 1.2 + 0.26 * rows)), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=[1, 1.1])
+    left, right = figure.subplots(1, 2, width_ratios=[1.15, 1])
     draw_transition(left, transition, body_length)
     draw_prey_table(right, learned)
     return figure

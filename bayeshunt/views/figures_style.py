@@ -58,7 +58,11 @@ def styled(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
     @functools.wraps(draw)
     def wrapper(*args: _Given.args, **kwargs: _Given.kwargs) -> Figure:
         with mpl.rc_context(_STYLE):
-            return draw(*args, **kwargs)
+            figure = draw(*args, **kwargs)
+            # Settled once: laying out again at every save would move things by fractions of a pixel.
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+            return figure
 
     return wrapper
 

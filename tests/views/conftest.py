@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from html_checks import NASTY
 
@@ -73,8 +72,3 @@ def nasty(khepera_frame) -> SimpleNamespace:
         planned, aimed, planned.plans[1], aimed.plans[1],
     ]  # fmt: skip
     return SimpleNamespace(settings=settings, model=model, planned=planned, aimed=aimed, things=things)
-
-
-@pytest.fixture
-def rng() -> np.random.Generator:
-    return np.random.default_rng(0)
