@@ -331,7 +331,7 @@ class Player {
     drawRobot(pen, prey, this.hunt.radius[1], ink("prey"));
     drawRobot(pen, hunter, this.hunt.radius[0], ink("hunter"));
     if (this.hunt.caught && this.time >= this.duration - 1e-9) drawCatch(pen, hunter, prey, this.hunt.outcome);
-    drawScale(pen);
+    drawScale(pen, this.hunt.walls ? 26 : 14);
   }
 
   poseAt(who) {
@@ -476,12 +476,16 @@ function drawCatch({ g, at, ink, view }, hunter, prey, outcome) {
   g.textAlign = "center";
   const half = g.measureText(outcome).width / 2 + 6;
   const below = y + 52 < view.height - 34 ? y + 47 : y - 37;
-  g.fillText(outcome, Math.min(Math.max(x, half), view.width - half), below);
+  const middle = Math.min(Math.max(x, half), view.width - half);
+  g.strokeStyle = ink("field");
+  g.lineWidth = 5;
+  g.strokeText(outcome, middle, below);
+  g.fillText(outcome, middle, below);
 }
 
-function drawScale({ g, ink, view }) {
+function drawScale({ g, ink, view }, above) {
   const length = [0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 56) || 10;
-  const pixels = length * view.scale, y = view.height - 14;
+  const pixels = length * view.scale, y = view.height - above;
   g.strokeStyle = g.fillStyle = ink("muted");
   g.lineWidth = 2;
   g.beginPath();
