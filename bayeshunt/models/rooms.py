@@ -157,21 +157,18 @@ def _edges(hull: np.ndarray) -> np.ndarray:
 
 
 def _merge(edges: np.ndarray, held: np.ndarray, body: float) -> list[tuple[float, ...]]:
-    """Return the walls among the edges: nearly parallel ones are one wall, as far out as the farthest of them."""
+    """Return the walls among the edges: of nearly parallel ones, the longest says where the wall is."""
     walls: list[tuple[float, ...]] = []
     free = np.ones(len(edges), dtype=bool)
-    for index, (nx, ny, _, length) in enumerate(edges.tolist()):
-        if not free[index] or length < 0.2 * body:
+    for index, (nx, ny, offset, _) in enumerate(edges.tolist()):
+        if not free[index]:
             continue
         same = free & (edges[:, 0] * nx + edges[:, 1] * ny > math.cos(_PARALLEL))
         free &= ~same
-        lengths = edges[same, 3]
-        mean = lengths @ edges[same, :2]
-        nx, ny = (mean / np.hypot(*mean)).tolist()
-        offset = float(lengths @ edges[same, 2] / lengths.sum())
+        length = float(edges[same, 3].sum())
         near = int((offset - held @ np.array([nx, ny]) < _NEAR * body).sum())
-        if lengths.sum() >= _LENGTH * body and near >= _SUPPORT:
-            walls.append((nx, ny, offset, float(lengths.sum()), float(near)))
+        if length >= _LENGTH * body and near >= _SUPPORT:
+            walls.append((nx, ny, offset, length, float(near)))
     return walls
 
 

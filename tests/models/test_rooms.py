@@ -1,0 +1,105 @@
+"""Rooms: walls from a made-up track, from the real one, and the room file."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bayeshunt.errors import DataError, ModelFileError
+from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.rooms import RoomModel, _hull
+
+#: Walls ahead, to the left and to the right; nothing behind.
+THREE_SIDES = [(1, 0, 0.3), (0, 1, 0.25), (0, -1, 0.35)]
+
+
+@pytest.fixture(scope="module")
+def model():
+    """One gait: 0.2 m straight ahead."""
+    rows = pd.DataFrame({"gait": ["go"] * 3, "distance": [0.2] * 3, "angle": [0.0] * 3, "heading": [0.0] * 3})
+    return ForwardModel.fit(rows, GaitRepertoire((Gait("go"),), 0.05, 3.0))
+
+
+def made_up_track(walls, steps=800, seed=0):
+    """A robot that turns at will before it goes 0.2 m, and slides along half-planes (nx, ny, offset)."""
+    rng = np.random.default_rng(seed)
+    rows, place = [], np.zeros(2)
+    for step in range(steps):
+        theta = rng.uniform(-np.pi, np.pi)
+        # The turn before the step is a row of the step before.
+        if rows:
+            rows[-1]["theta"] = theta
+        else:
+            theta = 0.0
+        for interval in range(1, 5):
+            place = place + 0.05 * np.array([np.cos(theta), np.sin(theta)])
+            for nx, ny, offset in walls:
+                place = place - max(0.0, place @ np.array([nx, ny]) - offset) * np.array([nx, ny])
+            rows.append(
+                {"step": step, "gait": "go", "interval": interval, "x": place[0], "y": place[1], "theta": theta}
+            )
+    return pd.DataFrame(rows)
+
+
+def test_hull_by_hand():
+    square = np.array([[0, 0], [2, 0], [2, 1], [0, 1]], dtype=float)
+    inside = np.array([[1, 0.5], [1, 0.0], [0.3, 0.9]])
+    assert _hull(np.concatenate([inside, square, square])).tolist() == square.tolist()
+
+
+def test_walls_of_a_rectangle(model):
+    room = RoomModel.fit(made_up_track([(1, 0, 0.4), (-1, 0, 0.3), (0, 1, 0.5), (0, -1, 0.35)]), model)
+    table = room.walls()
+    table = table.assign(bearing_deg=(table["bearing_deg"] + 45) % 360).sort_values("bearing_deg")
+    assert np.allclose(table["bearing_deg"], [45, 135, 225, 315], atol=0.5)  # ahead, right, behind, left
+    assert np.allclose(table["offset_m"], [0.4, 0.35, 0.3, 0.5], atol=1e-3)
+    assert (table["blocked"] > 50).all()
+
+
+def test_a_slanting_wall(model):
+    corner = np.sqrt(0.5)
+    walls = [(corner, corner, 0.3), (-corner, corner, 0.3), (corner, -corner, 0.4), (-corner, -corner, 0.4)]
+    room = RoomModel.fit(made_up_track(walls), model)
+    assert sorted(room.offsets.round(3).tolist()) == [0.3, 0.3, 0.4, 0.4]
+    assert np.allclose(np.abs(room.normals), corner, atol=0.01)
+
+
+def test_no_wall_where_nothing_was_ever_in_the_way(model):
+    assert len(RoomModel.fit(made_up_track([], steps=300), model).offsets) == 0
+    three = RoomModel.fit(made_up_track(THREE_SIDES), model)
+    found = sorted(zip(*three.normals.T, three.offsets, strict=True))
+    assert np.allclose(found, sorted(THREE_SIDES), atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [(lambda t: t.drop(columns="gait"), "'gait' is missing"), (lambda t: t.assign(x=np.nan), "finite"),
+     (lambda t: t.head(2), "three")],
+)  # fmt: skip
+def test_wrong_tracks_are_refused(model, spoil, message):
+    with pytest.raises(DataError, match=message):
+        RoomModel.fit(spoil(made_up_track([], steps=5)), model)
+
+
+def test_the_file_comes_back_and_notices_damage(model, tmp_path):
+    room = RoomModel.fit(made_up_track(THREE_SIDES), model)
+    path = tmp_path / "room.json"
+    room.save(path)
+    again = RoomModel.load(path)
+    assert again.normals.tolist() == room.normals.tolist()
+    assert again.walls().equals(room.walls())
+    record = json.loads(path.read_text())
+    record["content"]["offsets"][0] += 0.01
+    path.write_text(json.dumps(record))
+    with pytest.raises(ModelFileError, match="checksum"):
+        RoomModel.load(path)
+    for text in ("{", "[]", '{"content": {}}', json.dumps({**record, "kind": "soup"})):
+        path.write_text(text)
+        with pytest.raises(ModelFileError, match=str(path)):
+            RoomModel.load(path)
+    with pytest.raises(ModelFileError, match="bayeshunt explore"):
+        RoomModel.load(tmp_path / "none.json")

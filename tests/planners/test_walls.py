@@ -1,0 +1,191 @@
+"""Prey among walls: paths by hand, rooms guessed from turns, and the planners that use them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from planner_cases import BODY, STEP
+
+from bayeshunt.errors import InputError
+from bayeshunt.geometry import Polar, Pose
+from bayeshunt.models.prey import PreyModel
+from bayeshunt.models.rooms import RoomModel
+from bayeshunt.planners.base import Situation
+from bayeshunt.planners.bouncing import Walls, room_futures
+from bayeshunt.planners.check import check_planner
+from bayeshunt.planners.intercept import intercept
+from bayeshunt.planners.intercept_room import intercept_room
+from bayeshunt.planners.intercept_walls import InterceptWallsPlanner, intercept_walls
+from bayeshunt.planners.registry import make_planner, planner_names
+
+SQUARE = Walls(((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)), (0.5,) * 4, 0.4)
+RNG = np.random.default_rng(0)
+
+
+def hunt_situation(hunter, prey, transitions=()):
+    return Situation(
+        hunter.relative(prey), PreyModel(), body_length=BODY, time_step=STEP,
+        transitions=tuple(transitions), pose=hunter,
+    )  # fmt: skip
+
+
+def room(offset=0.57):
+    sides = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    return RoomModel(sides, np.full(4, offset), np.full(4, 1.1), np.full(4, 50))
+
+
+def test_the_wall_ahead_by_hand():
+    assert SQUARE.meet(Pose(0.1, 0.2, 0.0)) == (0, pytest.approx(0.4))
+    assert SQUARE.meet(Pose(0.1, 0.2, math.pi / 2)) == (2, pytest.approx(0.3))
+    assert SQUARE.meet(Pose(0.0, 0.0, math.radians(200)))[0] == 1
+    assert SQUARE.meet(Pose(0.9, 0.0, 0.0)) == (0, 0.0)  # beyond the wall: at it
+    assert Walls(((1.0, 0.0),), (0.5,), 0.4).meet(Pose(0.0, 0.0, math.pi)) == (-1, math.inf)
+
+
+def test_a_prey_leaves_a_wall_on_the_side_it_came_in_on():
+    assert SQUARE.slant(0, 0.3) == pytest.approx(0.3)
+    assert SQUARE.leave(0, 1.0) == pytest.approx(math.pi / 2 + 0.4)  # left along the wall, and away from it
+    assert SQUARE.leave(2, -1.0) == pytest.approx(-0.4)
+
+
+def test_a_path_by_hand():
+    hunter = Pose(0.1, -0.1, 0.7)
+    prey = Pose(0.0, 0.0, 0.3)  # well off head-on: no second path worth keeping at 0.8 rad, one at 0.3
+    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, STEP)
+    hit = 0.5 / math.cos(0.3) / 0.05
+    forward, right = (a[0] for a in futures.at(np.array([0.0, hit, hit + 2.0])))
+    expected = [prey, Pose(0.5, 0.5 * math.tan(0.3), 0.0)]
+    way = math.pi / 2 + 0.4
+    expected.append(Pose(0.5 + 0.1 * math.cos(way), 0.5 * math.tan(0.3) + 0.1 * math.sin(way), 0.0))
+    seen = [hunter.relative(pose) for pose in expected]
+    assert forward.tolist() == pytest.approx([float(p.forward) for p in seen])
+    assert right.tolist() == pytest.approx([float(p.right) for p in seen])
+    assert futures.foreseen
+
+
+def test_head_on_a_prey_may_turn_either_way():
+    hunter = Pose(0.0, 0.0, 0.0)
+    even = room_futures(hunter.relative(Pose(0.2, 0.0, 0.0)), hunter, SQUARE, 0.05, STEP)
+    assert even.weights.tolist() == pytest.approx([0.5, 0.5])
+    tilted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.15)), hunter, SQUARE, 0.05, STEP)
+    assert tilted.weights[1] == pytest.approx(1 / (1 + math.e))
+    slanted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.785)), hunter, SQUARE, 0.05, STEP)
+    assert slanted.weights.tolist() == [1.0]
+    assert even.groups.tolist() == [0, 0]  # 6 s away: not told apart by the next decision
+    near = room_futures(hunter.relative(Pose(0.4, 0.0, 0.0)), hunter, SQUARE, 0.05, STEP)
+    assert near.groups.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_paths_stay_inside(seed):
+    rng = np.random.default_rng(seed)
+    hunter, prey = (Pose(*rng.uniform(-0.45, 0.45, 2), rng.uniform(-3, 3)) for _ in range(2))
+    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, STEP)
+    forward, right = futures.at(np.linspace(0.0, 40.0, 400))
+    for path in zip(forward, right, strict=True):
+        places = hunter.compose(Polar.from_cartesian(*path))
+        assert max(np.abs(places.x).max(), np.abs(places.y).max()) <= 0.5 + 1e-9
+
+
+def test_no_wall_ahead_no_room_futures():
+    one = Walls(((1.0, 0.0),), (0.5,), 0.4)
+    assert room_futures(Polar(0.3, 0.0, math.pi), Pose(0, 0, 0), one, 0.05, STEP) is None
+
+
+# --- the planner that knows its walls --------------------------------------------------------------
+
+
+def test_walls_planner_conforms(model):
+    planner = intercept_walls(model, room=room())
+    assert isinstance(planner, InterceptWallsPlanner)
+    cases = [
+        hunt_situation(Pose(0.1, 0.0, 1.0), Pose(0.3, 0.2, t), [Polar(0.16, 0, 0)] * n) for t, n in ((0, 0), (2, 3))
+    ]
+    check_planner(planner, model.gaits.names, cases, seed=2)
+
+
+def test_a_room_without_walls_is_the_open(model):
+    empty = RoomModel(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
+    case = hunt_situation(Pose(0.1, 0.0, 1.0), Pose(0.3, 0.2, 0.5), [Polar(0.16, 0, 0)])
+    with_walls, without = intercept_walls(model, room=empty), intercept(model)
+    assert with_walls.plan(case, rng=RNG).value == without.plan(case, rng=RNG).value
+
+
+def test_a_wall_brings_the_prey_back(model):
+    """A prey about to meet the wall ahead is caught sooner than one that runs on."""
+    case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.4, 0.05, 0.1), [Polar(0.16, 0, 0)])
+    known = intercept_walls(model, room=room()).plan(case, rng=RNG)
+    unknown = intercept(model, hazard=0.0).plan(case, rng=RNG)
+    assert known.value < unknown.value - 2.0
+
+
+def test_walls_planner_says_what_it_lacks(model):
+    with pytest.raises(InputError, match="bayeshunt explore"):
+        make_planner("intercept_walls", model)
+    lost = Situation(Polar(0.3, 0.1, 0.2), PreyModel(), body_length=BODY, time_step=STEP)
+    with pytest.raises(InputError, match="own pose"):
+        intercept_walls(model, room=room()).plan(lost, rng=RNG)
+    assert "intercept_walls" not in planner_names(standalone=True)
+
+
+# --- the planner that guesses its room -------------------------------------------------------------
+
+
+def prey_trail(size, steps, start, theta):
+    """Poses of a prey that goes 0.16 m a step and turns by 2 rad when the wall at ``size`` would be crossed."""
+    poses = [Pose(*start, theta)]
+    for _ in range(steps):
+        x, y, t = poses[-1]
+        there = Pose(x + 0.16 * math.cos(t), y + 0.16 * math.sin(t), t)
+        if max(abs(there.x), abs(there.y)) > size:
+            gap = SQUARE._replace(offsets=(size,) * 4).meet(poses[-1])[1]
+            there = Pose(x + gap * math.cos(t), y + gap * math.sin(t), t + 2.0)
+        poses.append(there)
+    return poses
+
+
+def belief_after(planner, poses):
+    hunter = Pose(0.0, 0.0, 0.0)
+    seen = [Polar(*(float(p) for p in a.relative(b))) for a, b in itertools.pairwise(poses)]
+    return planner.rooms(hunt_situation(hunter, poses[-1], seen))
+
+
+def test_rooms_before_anything_is_seen(model):
+    table = intercept_room(model, room_chance=0.3, sizes=6).rooms(hunt_situation(Pose(0, 0, 0), Pose(0.3, 0, 0)))
+    assert table["probability"].tolist() == pytest.approx([0.05] * 6 + [0.7])
+    assert table["size"].iloc[[0, -2, -1]].tolist() == pytest.approx([6.2 * BODY, 24.2 * BODY, math.inf])
+
+
+@pytest.mark.parametrize("size", [0.45, 0.7])
+def test_a_turn_tells_the_size_of_the_room(model, size):
+    planner = intercept_room(model)
+    poses = prey_trail(size, 6, (0.2, 0.1), 0.1)
+    table = belief_after(planner, poses)
+    rooms = table[np.isfinite(table["size"])]
+    mean = (rooms["size"] * rooms["probability"]).sum() / rooms["probability"].sum()
+    assert mean == pytest.approx(size, abs=0.1)
+    assert table["probability"].sum() == pytest.approx(1.0)
+    assert table["probability"].iloc[-1] < 0.5
+
+
+def test_a_prey_that_runs_on_and_on_is_in_no_room(model):
+    table = belief_after(intercept_room(model), prey_trail(99.0, 10, (0.3, 0.0), 0.0))
+    assert table["probability"].iloc[-1] > 0.95
+
+
+def test_the_guess_can_be_switched_off_and_moves_the_decision(model):
+    case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.3, 0.05, 0.1), [Polar(0.16, 0, 0)])
+    off = intercept_room(model, room_chance=0.0).plan(case, rng=RNG).value
+    assert off == intercept(model, hazard=0.02).plan(case, rng=RNG).value
+    assert intercept_room(model, room_chance=0.9).plan(case, rng=RNG).value < off
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"room_chance": 1.0}, {"sizes": 1}, {"error": 0.5}, {"nearest": 30.0}, {"rebound": 2}]
+)
+def test_wrong_settings_are_named(model, wrong):
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        intercept_room(model, **wrong)
