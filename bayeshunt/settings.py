@@ -51,6 +51,8 @@ def load_experiment(
         values = _resolve(values, source)
     for key, value in (overrides or {}).items():
         _set(values, key, value, source)
+    if isinstance(values.get("robot"), str):  # given as a change
+        values["robot"] = load_robot(values["robot"]).model_dump()
     return parse(ExperimentSettings, values, source)
 
 

@@ -110,7 +110,7 @@ def _meaning(axis: str) -> Callable[[ExperimentSettings, Any], dict[str, Any]]:
     }
     if axis in named:
         return named[axis]
-    if "." not in axis:
+    if axis.partition(".")[0] not in ExperimentSettings.model_fields:
         raise InputError(f"sweep: unknown axis {axis!r}; expected one of {', '.join(AXES)} or a key like prey.speed")
     return lambda s, v: {axis: v}
 

@@ -39,6 +39,7 @@ def settings():
         ("gaits", 3, lambda s: s.robot.gaits.names, ("straight", "wide right", "wide left")),
         ("max_transitions", 2, lambda s: s.planner["planning"]["max_transitions"], 2),
         ("prey.sensor_range", 0.1, lambda s: s.prey.sensor_range, 0.1),
+        ("robot", "car", lambda s: s.robot.name, "car"),
         ("planner.planning.depth", 4, lambda s: s.planner["planning"], None),
     ],
 )
