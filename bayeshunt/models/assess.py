@@ -108,10 +108,10 @@ def assess(
     others, notes = _others(rows, structures)
     for_folds, for_shuffles = np.random.SeedSequence(seed).spawn(2)
     fold = rows.folds(folds, np.random.default_rng(for_folds))
-    naive = scores.held_out(rows, NAIVE, fold, prior)
+    naive = scores.held_out(rows, NAIVE, fold, prior, every_score=True)
     comparison, found = compare(rows, others, fold, prior, naive)
     structure = NAIVE if model is None else model.structure
-    predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior)
+    predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
     return Assessment(
         settings={
             "rows": len(frame), "folds": int(folds), "seed": int(seed), "prior": float(prior),
@@ -132,12 +132,14 @@ def assess(
 
 def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]:
     executed = rows.column("Gait")
-    return {
+    facts = {
         "accuracy": scores.accuracy(rows, predicted.gaits),
         "log_loss": scores.log_loss(predicted.gaits, executed),
         "brier": scores.brier(predicted.gaits, executed),
-        "accuracy_with_heading": scores.accuracy(rows, predicted.gaits_with_heading),
     }
+    if predicted.gaits_with_heading is not None:
+        facts["accuracy_with_heading"] = scores.accuracy(rows, predicted.gaits_with_heading)
+    return facts
 
 
 def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[str, Any]:

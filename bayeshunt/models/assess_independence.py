@@ -79,14 +79,17 @@ def permuted(rows: CodedRows, x: str, y: str, permutations: int, rng: np.random.
     """Return G [permutations] of tables in which Y is shuffled within each gait."""
     sizes = rows.sizes
     order = np.argsort(rows.column("Gait"), kind="stable")
-    gait, first, second = (rows.column(name)[order] for name in ("Gait", x, y))
+    gait, first, shuffled = (rows.column(name)[order] for name in ("Gait", x, y))
+    starts = np.flatnonzero(np.r_[True, gait[1:] != gait[:-1]])
+    strata = np.split(shuffled, starts[1:])  # views: shuffling them shuffles the whole
     stratum = (gait * sizes[x] + first) * sizes[y]
     # Margins stay as they are, so only the sum of n log n over cells changes.
     counts = rows.count().tabulate(("Gait", x, y))
     rest = sum(sign * _n_log_n(part) for sign, part in _margins(counts))
     results = np.empty(permutations)
     for k in range(permutations):
-        shuffled = second[np.lexsort((rng.random(len(gait)), gait))]
+        for part in strata:
+            rng.shuffle(part)
         results[k] = 2.0 * (_n_log_n(np.bincount(stratum + shuffled)) + rest)
     return results
 

@@ -14,7 +14,7 @@ import pandas as pd
 from bayeshunt.axes import EFFECTS
 from bayeshunt.models.assess_rows import CodedRows
 from bayeshunt.models.cells import conditional
-from bayeshunt.models.effects import check_size, local_tables, multiply
+from bayeshunt.models.effects import local_tables, multiply
 from bayeshunt.models.structures import Structure, find_structure
 
 #: Equal-width bins of the forecast probability in a reliability diagram.
@@ -26,45 +26,48 @@ class HeldOut:
     """What a structure predicted for every row.
 
     log_probability: log P(Distance, Angle, Heading | causes) of what happened, [N].
-    forecasts: effect -> P(effect | causes), [N, S], the other effects summed over.
     gaits: P(Gait | Distance, Angle [, PreviousGait]), [N, G], uniform P(Gait): the inverse model.
-    gaits_with_heading: the same, given Heading as well.
     structures: the structure of each fold (searched ones may differ).
+    forecasts: effect -> P(effect | causes), [N, S], the other effects summed over; empty unless asked for.
+    gaits_with_heading: as ``gaits``, given Heading as well; None unless asked for.
     """
 
     log_probability: np.ndarray
-    forecasts: dict[str, np.ndarray]
     gaits: np.ndarray
-    gaits_with_heading: np.ndarray
     structures: tuple[Structure, ...]
+    forecasts: dict[str, np.ndarray]
+    gaits_with_heading: np.ndarray | None
 
 
-def held_out(rows: CodedRows, structure: str | Structure, fold: np.ndarray, prior: float) -> HeldOut:
+def held_out(
+    rows: CodedRows, structure: str | Structure, fold: np.ndarray, prior: float, *, every_score: bool = False
+) -> HeldOut:
     """Predict each fold from the others.
 
     structure: a Structure, or a name; a name that needs a search is searched anew without each fold.
     fold: int [N]. prior: Dirichlet pseudo-count per cell, >= 0.
+    every_score: also keep what only the scores of single variables need (N x S numbers each).
     Raises InputError if a table would be too large.
     """
     sizes, number = rows.sizes, len(rows.codes)
-    log_probability = np.empty(number)
-    forecasts = {effect: np.empty((number, sizes[effect])) for effect in EFFECTS}
-    posteriors = [np.empty((number, sizes["Gait"])) for _ in range(2)]
+    log_probability, gaits = np.empty(number), np.empty((number, sizes["Gait"]))
+    forecasts = {effect: np.empty((number, sizes[effect])) for effect in EFFECTS if every_score}
+    with_heading = np.empty_like(gaits) if every_score else None
     structures = []
     for test in (fold == k for k in np.unique(fold)):
         table = rows.count(~test)
         found = find_structure(structure, table) if isinstance(structure, str) else structure
         structures.append(found)
-        check_size(found, table)
         predictor = _Predictor(found, local_tables(found, table, prior), sizes)
         columns = {name: rows.column(name)[test] for name in rows.names}
         with np.errstate(divide="ignore"):
             log_probability[test] = np.log(predictor.probability(columns))
-        for effect in EFFECTS:
-            forecasts[effect][test] = predictor.forecast(effect, columns)
-        for posterior, heading in zip(posteriors, (False, True), strict=True):
-            posterior[test] = predictor.gait_posterior(columns, heading=heading)
-    return HeldOut(log_probability, forecasts, posteriors[0], posteriors[1], tuple(structures))
+        gaits[test] = predictor.gait_posterior(columns, heading=False)
+        for effect, forecast in forecasts.items():
+            forecast[test] = predictor.forecast(effect, columns)
+        if with_heading is not None:
+            with_heading[test] = predictor.gait_posterior(columns, heading=True)
+    return HeldOut(log_probability, gaits, tuple(structures), forecasts, with_heading)
 
 
 class _Predictor:

@@ -29,9 +29,11 @@ class CountedCells:
 
     @classmethod
     def of_rows(cls, names: Sequence[str], sizes: Sequence[int], rows: np.ndarray) -> CountedCells:
-        """Count the rows [N, V] of state indices."""
-        cells, counts = np.unique(rows, axis=0, return_counts=True)
-        return cls(tuple(names), tuple(int(s) for s in sizes), cells, counts)
+        """Count the rows [N, V] of state indices; cells come out sorted."""
+        shape = tuple(int(s) for s in sizes)
+        # One number per cell sorts an order of magnitude faster than rows do.
+        keys, counts = np.unique(np.ravel_multi_index(tuple(rows.T), shape), return_counts=True)
+        return cls(tuple(names), shape, np.column_stack(np.unravel_index(keys, shape)), counts)
 
     @property
     def total(self) -> int:
