@@ -15,7 +15,7 @@ from bayeshunt.errors import InputError
 _BINS = "(default: the model's, or {})"
 
 
-@app.command()
+@app.command(short_help="Is the model any good? Scores, tests, other structures.")
 def assess(
     data: Annotated[Path, typer.Argument(help="Babbling table made by bayeshunt babble.", show_default=False)],
     model: Annotated[Path | None, typer.Option(help="Model file: its bins and structure, its own scores too.")] = None,

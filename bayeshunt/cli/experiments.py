@@ -15,7 +15,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Config, Json, Model, Overrides, Preset, Quiet, Seed, check_names, parse_overrides
 
 
-@app.command()
+@app.command(short_help="Run the paper's experiment: its table beside ours.")
 def evaluate(
     model: Model = None,
     preset: Preset = "paper",
@@ -67,7 +67,7 @@ def evaluate(
         terminal.say(f"every hunt and the summary are in {out}")
 
 
-@app.command()
+@app.command(short_help="Show how far an evaluation is.")
 def status(
     folder: Annotated[Path, typer.Argument(help="Folder given to evaluate --out.", show_default=False)],
     as_json: Json = False,

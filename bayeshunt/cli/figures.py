@@ -11,7 +11,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Config, Json, Model, Preset, Quiet, Seed, load_or_learn, tell
 
 
-@app.command()
+@app.command(short_help="Draw the figures of the paper, as PNG and SVG.")
 def figures(
     out: Annotated[Path, typer.Option(help="Folder for the figures, each as PNG and SVG.")],
     model: Model = None,
@@ -82,7 +82,7 @@ def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
     return planned, learned
 
 
-@app.command()
+@app.command(short_help="Write every table of a model as CSV.")
 def export(
     model: Annotated[Path, typer.Argument(help="Model file made by bayeshunt fit.", show_default=False)],
     out: Annotated[Path, typer.Option(help="Folder for the CSV files.")],

@@ -21,7 +21,7 @@ from bayeshunt.cli.options import (
 )
 
 
-@app.command()
+@app.command(short_help="Run one hunt and show every decision.")
 def hunt(
     planner: Annotated[str, typer.Option(help="Planner, e.g. reactive, prediction, planning.")] = "planning",
     arena: Annotated[str, typer.Option(help="Arena of the settings, e.g. walled, open.")] = "open",

@@ -13,7 +13,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
 
 
-@app.command()
+@app.command(short_help="Let a robot try random gaits; write where each took it.")
 def babble(
     out: Annotated[Path, typer.Option(help="Parquet file to write.")],
     robot: Annotated[str, typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.")] = "khepera",
@@ -40,7 +40,7 @@ def babble(
     tell(facts, as_json, f"{out}: {steps} rows of {len(gaits)} gaits; next: bayeshunt fit {out} --out model.json")
 
 
-@app.command()
+@app.command(short_help="Fit the network Gait -> Distance, Angle, Heading.")
 def fit(
     data: Annotated[
         list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
@@ -83,7 +83,7 @@ def fit(
     tell(facts, as_json, f"{out}: {rows} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
 
 
-@app.command()
+@app.command(short_help="Ask which gait reaches a target, and on what grounds.")
 def query(
     model: Annotated[
         Path, typer.Argument(help="Model file made by bayeshunt fit, or a network (.xmlbif, .bif).", show_default=False)

@@ -22,7 +22,7 @@ from bayeshunt.cli.options import (
 )
 
 
-@app.command()
+@app.command(short_help="Compute the best the gaits allow, for planner reference.")
 def reference(
     out: Annotated[Path, typer.Option(help="Table (.npz) to write.")],
     preset: Preset = "paper",
@@ -57,7 +57,7 @@ def reference(
          f"--set planner.reference.table={out}")  # fmt: skip
 
 
-@app.command()
+@app.command(short_help="Watch prey beforehand, for planners that remember.")
 def remember(
     out: Annotated[Path, typer.Option(help="Memory (JSON) to write.")],
     preset: Preset = "paper",
@@ -93,7 +93,7 @@ def remember(
          f"--set planner.memory_place.tables={out}")  # fmt: skip
 
 
-@app.command()
+@app.command(short_help="Learn an arena's walls, for planner intercept_walls.")
 def explore(
     out: Annotated[Path, typer.Option(help="Room (JSON) to write.")],
     arena: Annotated[str, typer.Option(help="Arena to babble in.")] = "walled",

@@ -11,7 +11,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Model, Quiet, check_parent, tell
 
 
-@app.command()
+@app.command(short_help="Write a page that plays a recorded hunt.")
 def replay(
     episode: Annotated[Path, typer.Argument(help="Episode made by bayeshunt hunt --out.", show_default=False)],
     out: Annotated[Path, typer.Option(help="Page (HTML) to write.")],
@@ -35,7 +35,7 @@ def replay(
     tell({"out": str(out), "bytes": out.stat().st_size}, as_json, f"{out}: open it in a browser to play the hunt")
 
 
-@app.command()
+@app.command(short_help="Write a page about an evaluation, with hunts to play.")
 def report(
     results: Annotated[Path, typer.Argument(help="Folder made by bayeshunt evaluate --out.", show_default=False)],
     out: Annotated[Path, typer.Option(help="Page (HTML) to write.")],

@@ -11,7 +11,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json
 
 
-@app.command()
+@app.command(short_help="List every key of a settings file.")
 def settings(
     name: Annotated[str, typer.Argument(help="experiment or robot")] = "experiment",
     as_json: Json = False,

@@ -13,7 +13,7 @@ from bayeshunt.cli.options import Config, Json, Overrides, Preset, Quiet, Seed, 
 from bayeshunt.errors import ConfigError, InputError
 
 
-@app.command()
+@app.command(short_help="Vary settings: success and catch time, with a figure.")
 def sweep(
     axis: Annotated[
         list[str] | None,
@@ -70,7 +70,7 @@ def sweep(
         terminal.say(f"{path}")
 
 
-@app.command()
+@app.command(short_help="Weigh catch time against distance and changes of gait.")
 def tradeoff(
     vary: Annotated[
         list[str] | None,
