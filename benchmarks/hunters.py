@@ -1,10 +1,11 @@
 """Success and catch time of planners, and of planners with one thing changed.
 
-``python -m benchmarks.hunters [--runs 100] [--seed 0 --seed 1 --seed 2] [--rows final|ablation] [--planner NAME ...]``
+``python -m benchmarks.hunters [--runs 100] [--seed 0 --seed 1 --seed 2] [--rows final|ablation|held-out]
+[--planner NAME ...] [--set KEY=VALUE ...] [--json FILE]``
 
 Every row runs the preset "paper" in both arenas with all its seeds; each seed babbles its own forward
 model (and room). Prints one markdown row per arena: runs, caught, 95 % Wilson interval, mean time (a
-miss counts 60 s), CPU time of a decision. ``--set KEY=VALUE`` changes
+miss counts 60 s), CPU time of a decision. ``--set`` changes
 a setting of the experiment, e.g. prey.senses_hunter=true or robot="car". ``--json FILE`` keeps the numbers.
 """
 
@@ -69,7 +70,8 @@ ABLATION = (
     Row("intercept_walls", {"rebound": 0.0}, arenas=("walled",)),
     Row("intercept_walls", {"clearance": 0.0}, arenas=("walled",)),
 )
-SETS = {"final": FINAL, "ablation": ABLATION}
+HELD_OUT = tuple(row for row in FINAL if not row.settings)
+SETS = {"final": FINAL, "ablation": ABLATION, "held-out": HELD_OUT}
 
 
 class Timed:
