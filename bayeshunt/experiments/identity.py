@@ -10,6 +10,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from itertools import zip_longest
 from typing import Any
@@ -81,7 +82,7 @@ class Identity:
 
 def versions() -> dict[str, str]:
     """Return the versions of the libraries that a result depends on."""
-    return {name: version(name) for name in _LIBRARIES}
+    return {name: _version(name) for name in _LIBRARIES}
 
 
 def fingerprint(model_text: str) -> str:
@@ -89,6 +90,11 @@ def fingerprint(model_text: str) -> str:
     content = json.loads(model_text)["content"]
     content.pop("provenance", None)
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _version(name: str) -> str:
+    return version(name)  # reads files: once per process, not once per batch of hunts
 
 
 def _model_kind(identity: Identity) -> str:

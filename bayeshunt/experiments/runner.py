@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +16,16 @@ import pandas as pd
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError, ResultsError
 from bayeshunt.experiments import workers
-from bayeshunt.experiments.database import HuntDatabase, Numbered, Sink
+from bayeshunt.experiments.batches import Ticket, batches, run_batch
+from bayeshunt.experiments.database import HuntDatabase, Numbered
 from bayeshunt.experiments.identity import Identity, fingerprint, versions
 from bayeshunt.experiments.lock import FolderLock
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
 from bayeshunt.experiments.store import check_output_folder, check_same_export, save_results
-from bayeshunt.hunting import Result, run_hunt
+from bayeshunt.hunting import Result
 from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
-from bayeshunt.settings import load_experiment
-
-_BATCH = 20  # hunts handed to a worker at a time
 
 #: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
@@ -88,9 +85,9 @@ def evaluate(
             model = model_files.loads(database.model, f"{database.path}: the model in it")
         elif model is None:
             model = learn_model(settings, seed)
-        _check_minds(planners, model, settings)
-        sweep = _Sweep(settings, model, tasks, database, progress or _ignore, say or _ignore)
-        ended = sweep.run(jobs, scheduler)
+            _check_minds(planners, model, settings)
+        evaluation = _Evaluation(settings, model, tasks, database, progress or _ignore, say or _ignore)
+        ended = evaluation.run(jobs, scheduler)
         frame = results_frame(tasks, ended, settings, seed)
         if database is not None:
             database.fold()
@@ -112,11 +109,12 @@ def _open_or_create(
     check_same_export(folder, settings, asked.seed)
     if model is None:
         model = learn_model(settings, asked.seed)
+        _check_minds(asked.planners, model, settings)
     text = model_files.dumps(model)
     return HuntDatabase.create(folder, replace(asked, model=fingerprint(text)), text)
 
 
-class _Sweep:
+class _Evaluation:
     """Hunts to run, hunts that have ended."""
 
     def __init__(
@@ -134,10 +132,10 @@ class _Sweep:
             self.database.begin_session()
         # A worker on this machine commits each hunt itself; one elsewhere sends it back.
         sink = self.database.sink if self.database is not None and scheduler is None else None
-        call = partial(run_batch, self.settings, self.model, sink, versions(), os.getpid())
+        call = partial(run_batch, self.settings, self.model, sink, versions(), Ticket.new())
 
         def run(hunts: Sequence[Numbered]) -> Iterator[list[tuple[Numbered, Result]]]:
-            yield from workers.parallel(call, _batches(hunts), jobs=jobs, scheduler=scheduler)
+            yield from workers.parallel(call, batches(hunts), jobs=jobs, scheduler=scheduler)
 
         for pairs in workers.work_off(self._missing, run):
             if self.database is not None:
@@ -168,45 +166,6 @@ class _Sweep:
             self.progress(len(new))
 
 
-def run_batch(
-    settings: ExperimentSettings, model: ForwardModel, sink: Sink | None, expected: dict[str, str], parent: int,
-    hunts: Sequence[Numbered],
-) -> list[tuple[Numbered, Result]]:  # fmt: skip
-    """Run hunts of one planner one after the other, each committed to ``sink`` as it ends.
-
-    expected: versions of the libraries that this worker must have. parent: process that asks.
-    """
-    workers.guard_worker(parent)
-    workers.check_worker_versions(expected, versions())
-    name = hunts[0].task.planner
-    planner = make_planner(name, model, **settings.planner.get(name, {}))
-    pairs = []
-    with sink.opened() if sink is not None else contextlib.nullcontext() as writer:
-        for hunt in hunts:
-            result = run_hunt(settings, planner, hunt.task.arena, hunt.task.theta, hunt.task.seed)
-            result = Result(bool(result.caught), *map(_plain, result[1:]))
-            if writer is not None:
-                writer.add(hunt, result)
-            pairs.append((hunt, result))
-    return pairs
-
-
-def experiment_settings(
-    experiment: str | os.PathLike[str] | ExperimentSettings, runs: int | None = None
-) -> ExperimentSettings:
-    """Return the experiment's settings, with ``runs`` per bearing if given."""
-    return load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
-
-
-def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
-    """Raise InputError unless the model's gaits are the robot's."""
-    if model.gaits.names != settings.robot.gaits.names:
-        raise InputError(
-            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
-            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
-        )
-
-
 def results_frame(
     tasks: Sequence[HuntTask], ended: dict[int, Result], settings: ExperimentSettings, seed: int
 ) -> pd.DataFrame:
@@ -232,18 +191,6 @@ def _check_minds(planners: Sequence[str], model: ForwardModel, settings: Experim
     check_model(model, settings)
     for name in planners:
         make_planner(name, model, **settings.planner.get(name, {}))
-
-
-def _batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
-    """Cut the hunts into batches that share a planner."""
-    for _, group in groupby(hunts, key=lambda hunt: (hunt.task.planner, hunt.task.arena)):
-        some = list(group)
-        yield from (some[i : i + _BATCH] for i in range(0, len(some), _BATCH))
-
-
-def _plain(value: Any) -> Any:
-    """A Python number, as the database gives it back."""
-    return value.item() if isinstance(value, np.generic) else value
 
 
 def _ignore(_: Any) -> None:

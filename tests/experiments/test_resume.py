@@ -6,7 +6,7 @@ from contextlib import closing
 import pytest
 
 from bayeshunt.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
-from bayeshunt.experiments import runner
+from bayeshunt.experiments import batches, runner
 from bayeshunt.experiments.database import DATABASE_FILE, HuntDatabase
 from bayeshunt.experiments.lock import FolderLock, is_locked
 from bayeshunt.experiments.runner import evaluate
@@ -56,7 +56,7 @@ def test_a_folder_changes_nothing(small, tmp_path):
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_an_interrupted_evaluation_goes_on_and_ends_in_the_same_bytes(small, tmp_path, jobs, monkeypatch):
-    monkeypatch.setattr(runner, "_BATCH", 3)
+    monkeypatch.setattr(batches, "_BATCH", 3)
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     small(out=whole)
     with pytest.raises(StopError):
@@ -72,13 +72,13 @@ def test_an_interrupted_evaluation_goes_on_and_ends_in_the_same_bytes(small, tmp
 
 
 def test_every_hunt_is_committed_as_it_ends(small, tmp_path, monkeypatch):
-    real, seen = runner.run_hunt, []
+    real, seen = batches.run_hunt, []
 
     def watched(*arguments):
         seen.append(status(tmp_path).ended)
         return real(*arguments)
 
-    monkeypatch.setattr(runner, "run_hunt", watched)
+    monkeypatch.setattr(batches, "run_hunt", watched)
     small(out=tmp_path)
     assert seen == list(range(28))
 
@@ -87,7 +87,7 @@ def test_a_finished_folder_runs_nothing_and_exports_again(small, tmp_path, monke
     frame = small(out=tmp_path)
     before = contents(tmp_path)
     (tmp_path / HUNTS_FILE).unlink()
-    monkeypatch.setattr(runner, "run_hunt", None)
+    monkeypatch.setattr(batches, "run_hunt", None)
     assert small(out=tmp_path).equals(frame)
     assert contents(tmp_path) == before
 
@@ -127,7 +127,7 @@ def test_other_settings_another_model_or_other_versions_are_refused(small, tmp_p
         )
     with pytest.raises(ResultsError, match="the model has fingerprint"):
         small(out=tmp_path, model=type(khepera_model)(khepera_model.joint, prior=1.0))
-    monkeypatch.setattr("bayeshunt.experiments.identity.version", lambda name: "9.9")
+    monkeypatch.setattr("bayeshunt.experiments.identity._version", lambda name: "9.9")
     with pytest.raises(ResultsError, match=r"version of bayeshunt is \S+ there and 9\.9 here"):
         small(out=tmp_path)
 
@@ -192,7 +192,7 @@ def test_a_database_that_was_never_finished_making_is_made_again(small, tmp_path
 
 
 def test_a_database_that_vanishes_is_noticed(small, tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "_BATCH", 3)
+    monkeypatch.setattr(batches, "_BATCH", 3)
 
     def remove(_):
         (tmp_path / DATABASE_FILE).unlink(missing_ok=True)

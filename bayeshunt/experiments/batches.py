@@ -1,0 +1,98 @@
+"""What a worker does: a batch of hunts of one planner, each committed as it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import uuid
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bayeshunt.config import ExperimentSettings
+from bayeshunt.experiments import workers
+from bayeshunt.experiments.database import Numbered, Sink
+from bayeshunt.experiments.identity import versions
+from bayeshunt.hunting import Result, run_hunt
+from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners.base import Planner
+from bayeshunt.planners.registry import make_planner
+
+_BATCH = 20  # hunts handed to a worker at a time
+
+
+def batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
+    """Cut the hunts into batches that share a planner."""
+    for _, group in groupby(hunts, key=lambda hunt: (hunt.task.planner, hunt.task.arena)):
+        some = list(group)
+        yield from (some[i : i + _BATCH] for i in range(0, len(some), _BATCH))
+
+
+class Ticket(NamedTuple):
+    """One evaluation: the process that asks for it, and a name that no other evaluation has."""
+
+    process: int
+    name: str
+
+    @classmethod
+    def new(cls) -> Ticket:
+        """Return a ticket of this process."""
+        return cls(os.getpid(), uuid.uuid4().hex)
+
+
+def run_batch(
+    settings: ExperimentSettings, model: ForwardModel, sink: Sink | None, expected: dict[str, str], ticket: Ticket,
+    hunts: Sequence[Numbered],
+) -> list[tuple[Numbered, Result]]:  # fmt: skip
+    """Run hunts of one planner one after the other, each committed to ``sink`` as it ends.
+
+    expected: versions of the libraries that this worker must have. ticket: of the evaluation.
+    """
+    workers.guard_worker(ticket.process)
+    workers.check_worker_versions(expected, versions())
+    planner = _mind(ticket, hunts[0].task.planner, model, settings)
+    pairs = []
+    with sink.opened() if sink is not None else contextlib.nullcontext() as writer:
+        for hunt in hunts:
+            result = run_hunt(settings, planner, hunt.task.arena, hunt.task.theta, hunt.task.seed)
+            result = Result(bool(result.caught), *map(_plain, result[1:]))
+            if writer is not None:
+                writer.add(hunt, result)
+            pairs.append((hunt, result))
+    return pairs
+
+
+def experiment_settings(
+    experiment: str | os.PathLike[str] | ExperimentSettings, runs: int | None = None
+) -> ExperimentSettings:
+    """Return the experiment's settings, with ``runs`` per bearing if given."""
+    return load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
+
+
+def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
+    """Raise InputError unless the model's gaits are the robot's."""
+    if model.gaits.names != settings.robot.gaits.names:
+        raise InputError(
+            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
+            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
+        )
+
+
+_minds: dict[tuple[str, str], Planner] = {}
+
+
+def _mind(ticket: Ticket, name: str, model: ForwardModel, settings: ExperimentSettings) -> Planner:
+    """Return the planner of an evaluation, made once per process: making one costs as much as some hunts."""
+    key = (ticket.name, name)
+    if key not in _minds:
+        for other in [known for known in _minds if known[0] != ticket.name]:
+            del _minds[other]
+        _minds[key] = make_planner(name, model, **settings.planner.get(name, {}))
+    return _minds[key]
+
+
+def _plain(value: Any) -> Any:
+    """A Python number, as the database gives it back."""
+    return value.item() if isinstance(value, np.generic) else value
