@@ -14,6 +14,8 @@ from bayeshunt.views.display_html import Html, card, facts, fold, join, number, 
 
 #: Of a longer table only the likeliest bins are shown.
 MOST_ROWS = 200
+#: Nor more cells than a browser shows at once, some 2 MB of page.
+_MOST_CELLS = 12_000
 
 
 def probability_table(shown: ProbabilityTable) -> Html:
@@ -61,10 +63,11 @@ def _cell(shown: ProbabilityTable, place: tuple[str, str], numbers: tuple[float,
 
 
 def _rows_to_show(values: np.ndarray) -> list[int]:
-    """All rows of a readable table; of a longer one the likeliest, in order."""
-    if len(values) <= MOST_ROWS:
+    """All rows of a readable table; of a larger one the likeliest, in order."""
+    most = min(MOST_ROWS, max(20, _MOST_CELLS // values.shape[1]))
+    if len(values) <= most:
         return list(range(len(values)))
-    return sorted(np.argsort(-values.max(axis=1), kind="stable")[:MOST_ROWS].tolist())
+    return sorted(np.argsort(-values.max(axis=1), kind="stable")[:most].tolist())
 
 
 def prey_model(prey: PreyModel) -> Html:

@@ -150,7 +150,7 @@ def _sector(window: Window, distance: float, angle: float, width: float, turn: f
     corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
                ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"
-    return tag("path", tag("title", hint), d=path, fill=colour, stroke=svg.LINE, stroke_width=0.7)
+    return tag("path", tag("title", hint), d=path, fill=colour, stroke=svg.FAINT, stroke_width=0.6)
 
 
 def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:
