@@ -64,22 +64,6 @@ def run_batch(
     return pairs
 
 
-def experiment_settings(
-    experiment: str | os.PathLike[str] | ExperimentSettings, runs: int | None = None
-) -> ExperimentSettings:
-    """Return the experiment's settings, with ``runs`` per bearing if given."""
-    return load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
-
-
-def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
-    """Raise InputError unless the model's gaits are the robot's."""
-    if model.gaits.names != settings.robot.gaits.names:
-        raise InputError(
-            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
-            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
-        )
-
-
 _minds: dict[tuple[str, str], Planner] = {}
 
 

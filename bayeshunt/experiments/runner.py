@@ -166,6 +166,22 @@ class _Evaluation:
             self.progress(len(new))
 
 
+def experiment_settings(
+    experiment: str | os.PathLike[str] | ExperimentSettings, runs: int | None = None
+) -> ExperimentSettings:
+    """Return the experiment's settings, with ``runs`` per bearing if given."""
+    return load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
+
+
+def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
+    """Raise InputError unless the model's gaits are the robot's."""
+    if model.gaits.names != settings.robot.gaits.names:
+        raise InputError(
+            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
+            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
+        )
+
+
 def results_frame(
     tasks: Sequence[HuntTask], ended: dict[int, Result], settings: ExperimentSettings, seed: int
 ) -> pd.DataFrame:
