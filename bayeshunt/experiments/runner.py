@@ -26,6 +26,7 @@ from bayeshunt.hunting import Result
 from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
+from bayeshunt.settings import load_experiment
 
 #: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
