@@ -335,7 +335,9 @@ class ForwardModel:
 
     def __repr__(self) -> str:
         bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
-        return f"<ForwardModel: {len(self.gaits)} gaits, {self.joint.total} rows, bins {bins}, prior {self.prior:g}>"
+        kind = "" if self.structure.is_naive else f", structure {self.structure.name}"
+        rows = f"{len(self.gaits)} gaits, {self.joint.total} rows"
+        return f"<ForwardModel: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -141,11 +141,11 @@ def test_an_import_says_what_it_lacks(pair, tmp_path: Path, khepera_frame) -> No
 
 def test_the_expected_pose_of_an_import_is_within_a_bin(pair) -> None:
     model, imported = pair[0], bh.import_network(pair[1])
-    if model.prior:
-        pytest.skip("a prior spreads mass over the whole table")
+    # A prior spreads mass over the whole table and pulls the mean towards the robot.
+    reach = model.axes.distance.width * (1 if model.prior == 0 else 8)
     for gait in model.gaits.names:
         one, two = model.predict(gait), imported.predict(gait)
-        assert two.distance == pytest.approx(one.distance, abs=model.axes.distance.width)
+        assert two.distance == pytest.approx(one.distance, abs=reach)
         assert two.heading == pytest.approx(one.heading, abs=model.axes.heading.width)
 
 

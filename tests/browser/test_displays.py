@@ -1,0 +1,100 @@
+"""Notebook displays in a real browser: hover, switch, folds, both themes; no errors, no requests."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import bayeshunt as bh
+
+PAGE = "<!doctype html><meta charset=utf-8><meta name=viewport content='width=device-width'><title>x</title><body {}>{}"
+
+
+@pytest.fixture
+def show(open_page, tmp_path: Path):
+    """Return a function that shows a thing in a page, as a notebook would, and gives the page and its watch."""
+
+    def shown(thing, body: str = "", **settings):
+        path = tmp_path / "page.html"
+        path.write_text(PAGE.format(body, thing._repr_html_()), encoding="utf-8")
+        return open_page(path, **settings)
+
+    return shown
+
+
+def only_itself(watch) -> None:
+    """The page complained of nothing and asked for nothing but itself."""
+    assert watch.errors == []
+    assert all(url.endswith("page.html") for url in watch.requests)
+
+
+def test_hovering_a_cell_tells_its_count_and_interval(show, model) -> None:
+    page, watch = show(model.table("Angle"))
+    cell = page.locator("td").nth(185)
+    cell.scroll_into_view_if_needed()
+    cell.hover()
+    said = cell.evaluate("e => getComputedStyle(e, '::after').content")
+    assert said == f'"{cell.get_attribute("title")}"'
+    assert "rows" in said
+    # The words stand in the card, below the scrolling table, where nothing cuts them off.
+    place = cell.evaluate("e => getComputedStyle(e, '::after').position")
+    assert place == "absolute"
+    assert cell.evaluate("e => getComputedStyle(e).position") == "static"
+    only_itself(watch)
+
+
+def test_the_switch_turns_probabilities_into_counts(show, model) -> None:
+    page, _ = show(model.table("Angle"))
+    table = model.table("Angle")
+    place = int(table.count.to_numpy().ravel().argmax())
+    cell = page.locator("td").nth(place)
+    assert cell.inner_text() == f"{table.probability.to_numpy().ravel()[place]:.3f}".lstrip("0")
+    page.locator(".bh-switch").click()
+    assert cell.inner_text() == str(table.count.to_numpy().max())
+    page.keyboard.press("Space")  # the switch has the focus: back by keyboard
+    assert cell.inner_text() != str(table.count.to_numpy().max())
+
+
+def test_the_head_stays_while_a_long_table_scrolls(show, model) -> None:
+    page, _ = show(model.table("Angle"))
+    box = page.locator(".bh-scroll")
+    before = page.locator("thead th").nth(1).bounding_box()
+    box.focus()
+    page.keyboard.press("End")
+    page.wait_for_function("document.querySelector('.bh-scroll').scrollTop > 100")
+    assert page.locator("thead th").nth(1).bounding_box() == before
+
+
+def test_a_plan_can_be_walked(show, episodes) -> None:
+    plan = episodes["planning"].plans[1]
+    page, watch = show(plan)
+    lit = page.locator(".bh-tree .bh-lit")
+    assert lit.count() == plan.trace["chosen"].sum()
+    assert all(lit.nth(i).is_visible() for i in range(lit.count()))
+    unfolded = page.locator(".bh-tree details[open]").count()
+    page.locator(".bh-tree details:not([open]) > summary").first.click()
+    assert page.locator(".bh-tree details[open]").count() == unfolded + 1
+    only_itself(watch)
+
+
+@pytest.mark.parametrize("jupyter", [None, "true", "false"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_themes(show, model, scheme: str, jupyter: str | None) -> None:
+    body = "" if jupyter is None else f'data-jp-theme-light="{jupyter}"'
+    page, watch = show(bh.InverseModel(model).posterior(0.15, 0.4), body, color_scheme=scheme)
+    dark = scheme == "dark" if jupyter is None else jupyter == "false"
+    ink, paper = (
+        page.locator(".bh").evaluate(f"e => getComputedStyle(e).{name}") for name in ("color", "backgroundColor")
+    )
+    brightness = {name: sum(map(int, value[4:-1].split(","))) for name, value in (("ink", ink), ("paper", paper))}
+    assert (brightness["ink"] > brightness["paper"]) == dark
+    assert abs(brightness["ink"] - brightness["paper"]) > 500
+    only_itself(watch)
+
+
+def test_a_phone_needs_no_sideways_scrolling(show, model, episodes) -> None:
+    for thing in (model, episodes["planning"], episodes["planning"].plans[1], bh.InverseModel(model)):
+        page, watch = show(thing, viewport={"width": 380, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= 380
+        only_itself(watch)
