@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         WorkerError,
         ZeroCountError,
     )
+    from bayeshunt.experiments.explorations import learn_room
     from bayeshunt.experiments.memories import remember
     from bayeshunt.experiments.references import reference
     from bayeshunt.experiments.runner import evaluate
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from bayeshunt.models.inverse import InverseModel
     from bayeshunt.models.prey import PreyModel
     from bayeshunt.models.structures import Structure
+    from bayeshunt.models.rooms import RoomModel
+    from bayeshunt.models.turns import TurnModel
     from bayeshunt.planners.base import Plan, Situation
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.settings import load_experiment, load_robot
@@ -79,6 +82,9 @@ _HOMES = {
     },
     "evaluate": ("bayeshunt.experiments.runner", "evaluate"),
     "reference": ("bayeshunt.experiments.references", "reference"),
+    "learn_room": ("bayeshunt.experiments.explorations", "learn_room"),
+    "RoomModel": ("bayeshunt.models.rooms", "RoomModel"),
+    "TurnModel": ("bayeshunt.models.turns", "TurnModel"),
     "remember": ("bayeshunt.experiments.memories", "remember"),
     "sweep": ("bayeshunt.experiments.sweep", "sweep"),
     "tradeoff": ("bayeshunt.experiments.tradeoff", "tradeoff"),

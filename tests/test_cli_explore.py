@@ -1,0 +1,53 @@
+"""explore, and an evaluation that uses what it found, as a user types them."""
+
+import json
+
+import pytest
+
+from bayeshunt.cli import main
+
+
+@pytest.fixture
+def bayeshunt(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments, status=0):
+        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        out, err = capfd.readouterr()
+        assert stopped.value.code == status, err
+        return out, err
+
+    return run
+
+
+SMALL = ["--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
+
+
+def test_explore_to_evaluation(bayeshunt):
+    out, _ = bayeshunt("explore", "--out", "room.json", "--steps", "300", *SMALL, "--json")
+    walls = json.loads(out)["walls"]
+    assert len(walls) == 4
+    assert all(abs(wall["offset_m"] - 0.5715) < 0.005 for wall in walls)
+    out, _ = bayeshunt("evaluate", "--planner", "intercept_walls", "--arena", "walled", "--runs", "2", "--jobs", "1",
+                       "--set", "planner.intercept_walls.room=room.json", *SMALL, "--json")  # fmt: skip
+    facts = json.loads(out)
+    assert facts["rows"][-1]["runs"] == 2
+    assert facts["not_ab_initio"] == ["intercept_walls"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["explore", "--out", "r.json", "--arena", "moon"], "unknown arena 'moon'"),
+        (["explore", "--out", "r.json", "--steps", "0"], "steps: expected a whole number"),
+        (["explore", "--out", "no/r.json"], "does not exist"),
+        (["evaluate", "--planner", "intercept_walls", "--runs", "1"], "bayeshunt explore"),
+    ],
+)
+def test_wrong_input_is_one_line(bayeshunt, tmp_path, arguments, message):
+    _, err = bayeshunt(*arguments, *SMALL, status=2)
+    assert len(err.strip().splitlines()) == 1
+    assert message in err
+    assert not list(tmp_path.iterdir())
