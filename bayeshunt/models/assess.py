@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt import displays
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
@@ -61,6 +62,12 @@ class Assessment:
     def __repr__(self) -> str:
         facts, best = self.settings, self.structures["log_loss"].idxmin()
         return f"<Assessment: {facts['rows']} rows, {facts['folds']} folds, best structure {best}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain values for JSON; a number that is not finite is None."""

@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import math
+from io import StringIO
 from typing import Any
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.assess import Assessment
-from bayeshunt.views.terminal import out
+from bayeshunt.views import terminal
 
 
-def assessment_tables(assessment: Assessment) -> None:
+def assessment_text(assessment: Assessment) -> str:
+    """Return what :func:`assessment_tables` prints, without colours, at most 100 columns wide."""
+    page = Console(file=StringIO(), width=100, color_system=None, highlight=False)
+    assessment_tables(assessment, page)
+    assert isinstance(page.file, StringIO)
+    return page.file.getvalue().rstrip()
+
+
+def assessment_tables(assessment: Assessment, out: Console = terminal.out) -> None:
     """Print an assessment: predictions, gaits, independence, other structures, what to know."""
     facts = assessment.settings
     bins = ", ".join(f"{name} {number}" for name, number in facts["bins"].items())
@@ -22,17 +32,17 @@ def assessment_tables(assessment: Assessment) -> None:
         f"{facts['rows']} rows, {facts['folds']} folds, seed {facts['seed']}; bins {bins}; "
         f"Dirichlet prior {facts['prior']:g} per cell", style="dim",
     )  # fmt: skip
-    _variables(assessment)
-    _gaits(assessment)
-    _independence(assessment)
-    _structures(assessment)
+    _variables(assessment, out)
+    _gaits(assessment, out)
+    _independence(assessment, out)
+    _structures(assessment, out)
     if assessment.given is not None:
-        _given(assessment.given)
+        _given(assessment.given, out)
     for note in assessment.notes:
         out.print(Text(note, style="italic"))
 
 
-def _variables(assessment: Assessment) -> None:
+def _variables(assessment: Assessment, out: Console) -> None:
     name = assessment.settings["structure"]
     table = _table(f"Held-out predictions, structure {name}", "variable", "log-loss", "no gait", "Brier", "no gait")
     for variable, row in assessment.variables.iterrows():
@@ -42,7 +52,7 @@ def _variables(assessment: Assessment) -> None:
     out.print("Nat per row, less is better; 'no gait': one forecast for every gait.", style="dim")
 
 
-def _gaits(assessment: Assessment) -> None:
+def _gaits(assessment: Assessment, out: Console) -> None:
     rows, accuracy = assessment.settings["rows"], assessment.gaits["accuracy"]
     right = round(accuracy * rows)
     low, high = wilson_interval(right, rows)
@@ -55,7 +65,7 @@ def _gaits(assessment: Assessment) -> None:
         out.print(f"  {names[executed]} taken for {names[inferred]}: {count}", markup=False)
 
 
-def _independence(assessment: Assessment) -> None:
+def _independence(assessment: Assessment, out: Console) -> None:
     shuffles = assessment.settings["permutations"]
     table = _table("Independent given the gait?", "pair", "G", "df", "p", "p chi2", "bits", "by chance")
     for row in assessment.independence.itertuples():
@@ -70,7 +80,7 @@ def _independence(assessment: Assessment) -> None:
     )  # fmt: skip
 
 
-def _structures(assessment: Assessment) -> None:
+def _structures(assessment: Assessment, out: Console) -> None:
     table = _table(
         "What the paper's assumption costs", "structure", "log-loss", "gain", "95 % interval", "BIC", "params"
     )
@@ -91,7 +101,7 @@ def _structures(assessment: Assessment) -> None:
     )  # fmt: skip
 
 
-def _given(given: dict[str, Any]) -> None:
+def _given(given: dict[str, Any], out: Console) -> None:
     held = "it counted these very rows: not held out" if given["same_rows"] else "its own tables on these rows"
     out.print(Text(f"\nThe model given ({given['structure']}, prior {given['prior']:g}): {held}", style="bold"))
     out.print(f"log-loss {_number(given['log_loss'])}; {given['impossible']} rows have probability 0;", end=" ")

@@ -6,13 +6,14 @@ from functools import singledispatch
 from typing import Any
 
 from bayeshunt.episode import Episode
+from bayeshunt.models.assess import Assessment
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.models.posterior import Posterior
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.planners.base import Plan
-from bayeshunt.views import display_models, display_plans, display_tables, display_text
+from bayeshunt.views import assess, assess_html, display_models, display_plans, display_tables, display_text
 
 
 @singledispatch
@@ -28,6 +29,7 @@ to_html.register(ProbabilityTable, display_tables.probability_table)
 to_html.register(PreyModel, display_tables.prey_model)
 to_html.register(Plan, display_plans.plan)
 to_html.register(Episode, display_plans.episode)
+to_html.register(Assessment, assess_html.assessment)
 
 
 @singledispatch
@@ -43,3 +45,4 @@ to_text.register(ProbabilityTable, display_text.probability_table)
 to_text.register(PreyModel, display_text.prey_model)
 to_text.register(Plan, display_text.plan)
 to_text.register(Episode, display_text.episode)
+to_text.register(Assessment, assess.assessment_text)

@@ -206,6 +206,20 @@ def test_the_command_prints_the_same_numbers(small: bh.Assessment, tmp_path, mon
     assert figure.read_text().lstrip().startswith("<?xml")
 
 
+def test_it_shows_itself(small: bh.Assessment) -> None:
+    page, text = small._repr_html_(), str(small)
+    assert page.count("<table") == page.count("</table") == 4
+    for name, row in small.structures.iterrows():
+        assert f"{row['parameters']:,}" in page
+        assert f"{row['log_loss']:.4f}" in text
+        assert name in text
+    nasty = "<script>alert('go')</script>"
+    frame = SMALL.replace({"gait": {"go": nasty}, "previous_gait": {"go": nasty}})
+    shown = bh.assess(frame, (nasty, "turn"), axes=AXES, permutations=1, structures=[])
+    assert "<script" not in shown._repr_html_()
+    assert "&lt;script" in shown._repr_html_()
+
+
 def run(monkeypatch, capsys, *arguments: str, status: int = 0) -> str:
     monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
     with pytest.raises(SystemExit) as stopped:
