@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from bayeshunt.models.interchange import read_network as import_network
     from bayeshunt.models.inverse import InverseModel
     from bayeshunt.models.prey import PreyModel
-    from bayeshunt.models.structures import Structure
     from bayeshunt.models.rooms import RoomModel
+    from bayeshunt.models.structures import Structure
     from bayeshunt.models.turns import TurnModel
     from bayeshunt.planners.base import Plan, Situation
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
