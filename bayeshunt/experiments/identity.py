@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from itertools import zip_longest
+from pathlib import Path
 from typing import Any
 
 from bayeshunt.config import ExperimentSettings
@@ -27,6 +28,7 @@ class Identity:
     """One evaluation.
 
     settings, planners, arenas, seed: as asked. versions: by library name.
+    files: SHA-256 of each file that a planner's settings name, by dotted key.
     learned: True if the model is babbled and fitted by the evaluation itself, from settings and seed.
     model: fingerprint of the model's tables; "" while a model that is to be learned is not yet known.
     """
@@ -36,6 +38,7 @@ class Identity:
     arenas: tuple[str, ...]
     seed: int
     versions: dict[str, str]
+    files: dict[str, str]
     learned: bool
     model: str = ""
 
@@ -45,7 +48,8 @@ class Identity:
     ) -> Identity:
         """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
         plain = json.loads(json.dumps(settings.model_dump(mode="json")))
-        return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), model is None, model or "")
+        files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}))
+        return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), files, model is None, model or "")
 
     @classmethod
     def from_dict(cls, record: dict[str, Any]) -> Identity:
@@ -70,6 +74,7 @@ class Identity:
             (list(self.arenas), list(other.arenas), "arenas"),
             (self.seed, other.seed, "seed"),
             (self.versions, other.versions, "version of"),
+            (self.files, other.files, "SHA-256 of the file"),
             (_model_kind(self), _model_kind(other), "the model"),
         )
         for mine, theirs, name in pairs:
@@ -90,6 +95,14 @@ def fingerprint(model_text: str) -> str:
     content = json.loads(model_text)["content"]
     content.pop("provenance", None)
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _files(planner: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield (dotted key, SHA-256) of every setting of a planner that is the path of a file."""
+    for name, values in planner.items():
+        for key, value in values.items():
+            if isinstance(value, str) and Path(value).is_file():
+                yield f"planner.{name}.{key}", hashlib.sha256(Path(value).read_bytes()).hexdigest()
 
 
 @cache

@@ -8,6 +8,7 @@ import pytest
 from bayeshunt.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
 from bayeshunt.experiments import batches, runner
 from bayeshunt.experiments.database import DATABASE_FILE, HuntDatabase
+from bayeshunt.experiments.identity import Identity
 from bayeshunt.experiments.lock import FolderLock, is_locked
 from bayeshunt.experiments.runner import evaluate
 from bayeshunt.experiments.status import status
@@ -130,6 +131,19 @@ def test_other_settings_another_model_or_other_versions_are_refused(small, tmp_p
     monkeypatch.setattr("bayeshunt.experiments.identity._version", lambda name: "9.9")
     with pytest.raises(ResultsError, match=r"version of bayeshunt is \S+ there and 9\.9 here"):
         small(out=tmp_path)
+
+
+def test_a_file_that_a_planner_uses_is_part_of_the_experiment(tmp_path):
+    tables = tmp_path / "tables.json"
+    settings = runner.load_experiment("paper", {"planner.memory.tables": str(tables)})
+    identities = []
+    for content in ("one", "two"):
+        tables.write_text(content)
+        identities.append(Identity.of(settings, ["memory"], ["open"], 0, None))
+    assert identities[0].difference(identities[0]) is None
+    assert "SHA-256 of the file planner.memory.tables is " in identities[0].difference(identities[1])
+    other = Identity.of(settings, ["reactive"], ["open"], 0, None)  # which does not use it
+    assert not other.files
 
 
 def test_exported_results_of_another_experiment_are_not_overwritten(small, tmp_path):
