@@ -48,10 +48,10 @@ class Memory:
 
         w_e  proportional to  prior_e * prod_k p_e(transition_k | transitions before it, context_k)
 
-    with smoothed predictive probabilities (:meth:`TransitionTables.probability`; a conditional table
-    falls back on the unconditional one). Prey paths are sampled from the mixture; a gait sequence's
-    value is the mean over them of the time of first capture, or of its end time + time to go. The trace
-    holds the weight of every expert.
+    with smoothed predictive probabilities (:meth:`TransitionTables.probability`; a conditional table falls
+    back on the unconditional one, this run's on the average of those, so that neither starts behind). Prey
+    paths are sampled from the mixture; a gait sequence's value is the mean over them of the time of
+    first capture, or of its end time + time to go. The trace holds the weight of every expert.
 
     tables: a :class:`PreyMemory` or the path of one (``bayeshunt remember --out FILE``). believe: prior
     weight of memory, in [0, 1], shared equally by its arenas. smoothing: transitions. paths: prey paths
@@ -116,13 +116,18 @@ class Memory:
             logs = np.log(prior)
         previous = None
         for place, transition in zip(_places(situation), situation.transitions, strict=True):
-            logs[0] += math.log(own.probability((), transition, own.uniform, self.smoothing))
+            logs[0] += math.log(own.probability((), transition, self._average(transition), self.smoothing))
             for number, expert in enumerate(self.experts, start=1):
                 logs[number] += math.log(self._probability(expert, place, previous, transition))
             own.observe((), transition)
             previous = transition
         weights = np.exp(logs - logs.max())
         return weights / weights.sum()
+
+    def _average(self, transition: Polar) -> float:
+        """Return what the unconditional memories say on average: where this run's table starts from."""
+        said = [e.general.probability((), transition, e.general.uniform, self.smoothing) for e in self.experts]
+        return sum(said) / len(said)
 
     def _probability(self, expert: _Expert, place: Pose | None, previous: Polar | None, transition: Polar) -> float:
         """Return what a memory said of a transition before it was seen."""

@@ -75,8 +75,10 @@ def test_memory_is_believed_as_far_as_it_predicts(model):
     planner = Memory(model, tables=memory_of(straight=[STRAIGHT] * 4, curve=[LEFT] * 4), depth=1)
     start = weights(planner, [])
     assert start == {"this_run": 0.5, "straight": 0.25, "curve": 0.25}
-    assert weights(planner, [STRAIGHT])["straight"] > 0.99
-    assert weights(planner, [LEFT])["curve"] > 0.99
+    for seen, right, wrong in ((STRAIGHT, "straight", "curve"), (LEFT, "curve", "straight")):
+        after = weights(planner, [seen])
+        assert after[right] > after["this_run"] > after[wrong]
+        assert after[wrong] < 0.001
     stranger = [Polar(0.02, 2.0, 2.5)] * 4  # nothing like it was ever seen: this run alone can learn it
     assert weights(planner, stranger)["this_run"] > 0.99
 
@@ -87,8 +89,8 @@ def test_the_weights_are_the_product_of_the_predictions(model):
     table, s = memory.tables["pen"]["all"], 2.0
     u = table.uniform
     moves = [STRAIGHT, STRAIGHT, LEFT]
-    ours = 0.7 * (s * u / s) * ((1 + s * u) / (1 + s)) * (s * u / (2 + s))
     base = (10 + s * u) / (20 + s)
+    ours = 0.7 * (s * base / s) * ((1 + s * base) / (1 + s)) * (s * base / (2 + s))
     kept = 0.3 * ((10 + s * base) / (20 + s)) ** 3
     assert weights(planner, moves)["pen"] == pytest.approx(kept / (kept + ours), rel=1e-9)
 
