@@ -22,6 +22,7 @@ def assessment(shown: Assessment) -> Html:
         _structures(shown),
         tag("div", "Held-out log-loss of Distance, Angle and Heading [nat per row]; gain over naive, 95 % interval; "
             "BIC: more is better.", class_="bh-note"),
+        fold("What each structure assumes", _factors(shown)),
         fold(f"Predictions of each variable, structure {settings['structure']}", _variables(shown)),
         fold("Independent given the gait?", _independence(shown)),
         fold("Gaits taken for others", _confusion(shown)),
@@ -34,10 +35,15 @@ def _structures(shown: Assessment) -> Html:
     rows = []
     for name, found in shown.structures.iterrows():
         gain = f"{found['gain']:+.4f} ({found['gain_low']:+.4f} to {found['gain_high']:+.4f})"
-        cells = [number(found["log_loss"], 5), "" if name == "naive" else gain, f"{found['bic']:,.0f}",
-                 f"{found['parameters']:,}", tag("td", found["factors"], class_="bh-left")]  # fmt: skip
+        loss = f"{found['log_loss']:.4f}".replace("inf", "∞")
+        cells = [loss, "" if name == "naive" else gain, f"{found['bic']:,.0f}", f"{found['parameters']:,}"]
         rows.append(row(name, cells, lit=name == best))
-    return table(["structure", "log-loss", "gain", "BIC", "parameters", "factors"], rows)
+    return table(["structure", "log-loss", "gain", "BIC", "parameters"], rows)
+
+
+def _factors(shown: Assessment) -> Html:
+    rows = [row(name, [tag("td", factors, class_="bh-left")]) for name, factors in shown.structures["factors"].items()]
+    return table(["structure", "P(Distance, Angle, Heading | Gait) ="], rows)
 
 
 def _variables(shown: Assessment) -> Html:

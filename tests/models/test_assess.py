@@ -208,7 +208,7 @@ def test_the_command_prints_the_same_numbers(small: bh.Assessment, tmp_path, mon
 
 def test_it_shows_itself(small: bh.Assessment) -> None:
     page, text = small._repr_html_(), str(small)
-    assert page.count("<table") == page.count("</table") == 4
+    assert page.count("<table") == page.count("</table") == 5
     for name, row in small.structures.iterrows():
         assert f"{row['parameters']:,}" in page
         assert f"{row['log_loss']:.4f}" in text
