@@ -18,6 +18,7 @@ from bayeshunt.views.figures_style import ACCENT, BAR, FAINT, INK, LINE, PREY, b
 
 _MOST_CELLS = 14
 _MOST_DOTS = 300  # per gait
+_TALLEST = 14.0  # inch
 
 
 @styled
@@ -28,7 +29,7 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     where more rows fell; lines are mean paths (straight to the mean end where part-way poses were not
     recorded), discs mean ends.
     """
-    figure = Figure(figsize=(7.2, 3.9), layout="constrained")
+    figure = Figure(figsize=(7.2, _height(model, 3.9)), layout="constrained")
     place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
     diameter = model.gaits.body_length * 1000
     body(place, 0, 0, 0, diameter, INK)
@@ -46,10 +47,9 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     frame_axes(place)
     place.set_title("Where one step of each gait leads")
     turn.set_title("Which way it then faces")
-    turn.set_yticks(range(len(model.gaits)), [shorten(name, 18) for name in model.gaits.names])
+    _name_gaits(turn, model, 18)
     for index, label in enumerate(turn.get_yticklabels()):
         label.set_color(theme.gait_colour(index))
-    turn.invert_yaxis()
     _degrees(turn, "heading [degrees clockwise]")
     return figure
 
@@ -66,6 +66,19 @@ def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray]:
     return Polar(*places), 1 + 2.2 * np.sqrt(counts)
 
 
+def _height(model: ForwardModel, least: float) -> float:
+    """Height of a figure [inch] with a line per gait."""
+    return min(max(least, 1.2 + 0.24 * len(model.gaits)), _TALLEST)
+
+
+def _name_gaits(axes: Axes, model: ForwardModel, length: int) -> None:
+    """Name the rows after the gaits, the first on top; smaller where they are very many."""
+    room = 72 * 0.6 * _height(model, 0.0) / len(model.gaits)  # points per name
+    names = [shorten(name, length) for name in model.gaits.names]
+    axes.set_yticks(range(len(names)), names, fontsize=min(8.5, 0.8 * room))
+    axes.set_ylim(len(names) - 0.4, -0.6)
+
+
 def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
     """Mean poses [P + 2, 3] of a gait from the start: forward, right [m], heading [rad clockwise]."""
     poses = model.mean_paths[gait] if model.mean_paths is not None else model.joint.mean_poses(gait)
@@ -75,13 +88,12 @@ def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
 @styled
 def network(model: ForwardModel) -> Figure:
     """Return the network (the paper's figure 1b): its edges, and the distribution over each variable."""
-    figure = Figure(figsize=(7.2, 4.2))
+    figure = Figure(figsize=(7.2, _height(model, 4.2)))
     gait_axes = figure.add_axes((0.15, 0.18, 0.19, 0.68))
     shares = model.probabilities("Gait")
-    names = [shorten(name, 16) for name in model.gaits.names]
-    gait_axes.barh(range(len(names)), shares, color=[theme.gait_colour(i) for i in range(len(names))], height=0.7)
-    gait_axes.set_yticks(range(len(names)), names)
-    gait_axes.invert_yaxis()
+    colours = [theme.gait_colour(i) for i in range(len(model.gaits))]
+    gait_axes.barh(range(len(colours)), shares, color=colours, height=0.7)
+    _name_gaits(gait_axes, model, 16)
     gait_axes.set_title("P(Gait)")
     boxes = {"Gait": gait_axes}
     for place, effect in enumerate(EFFECTS):

@@ -39,6 +39,7 @@ def test_figures_are_drawn_from_results(model_file, khepera_model, tmp_path: Pat
     assert len(files) == 2 * len(stems)
 
 
+@pytest.mark.slow
 def test_figures_run_the_hunts_themselves(model_file, tmp_path: Path) -> None:
     config = tmp_path / "small.toml"
     config.write_text('base = "paper"\nplanners = ["planning"]\n[protocol]\nthetas = [1.0]\n')

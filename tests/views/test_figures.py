@@ -76,13 +76,8 @@ def texts(figure) -> list[tuple[str, object]]:
     return [(t.get_text(), t.get_window_extent()) for t in kept]
 
 
-def test_all_of_them_are_there(drawn) -> None:
-    assert set(drawn) == set(NAMES)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_no_text_overlaps_another_or_the_edge(drawn, name: str) -> None:
-    figure = drawn[name]
+def check_room(figure) -> None:
+    """No text overlaps another or is cut off by the edge of the figure."""
     found = texts(figure)
     assert len(found) > 5
     page = figure.bbox
@@ -92,6 +87,25 @@ def test_no_text_overlaps_another_or_the_edge(drawn, name: str) -> None:
     for (one, a), (two, b) in itertools.combinations(found, 2):
         wide, tall = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
         assert min(wide, tall) <= 1.0, f"{one!r} and {two!r} overlap"
+
+
+def test_all_of_them_are_there(drawn) -> None:
+    assert set(drawn) == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_text_overlaps_another_or_the_edge(drawn, name: str) -> None:
+    check_room(drawn[name])
+
+
+@pytest.mark.parametrize("count", [1, 25, 90])
+def test_any_number_of_gaits_has_room(khepera_frame, count: int) -> None:
+    names = [f"gait number {i}" for i in range(count)]
+    frame = khepera_frame.assign(gait=[names[i % count] for i in range(len(khepera_frame))])
+    model = bh.ForwardModel.fit(frame, names)
+    for figure in (figures.network(model), figures.gait_outcomes(model)):
+        check_room(figure)
+        assert set(names) <= {text for text, _ in texts(figure)}
 
 
 def test_names_are_not_commands(nasty, results) -> None:
