@@ -147,8 +147,10 @@ def sweep_table(frame: Any) -> None:
     axes = frame.attrs["axes"]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
                   title=f"{frame.attrs['experiment']}, seed {frame.attrs['seed']}")  # fmt: skip
-    for name in (*axes, "planner", "arena"):
+    for name in axes:
         table.add_column(name, overflow="fold")
+    table.add_column("planner", overflow="fold", min_width=15)
+    table.add_column("arena", overflow="fold", min_width=6)
     for name in ("caught", "success %", "95 % interval", "mean s"):
         table.add_column(name, justify="right", no_wrap=True)
     previous = None
