@@ -375,3 +375,23 @@ def test_every_structure_hunts(structure: str, tmp_path: Path) -> None:
         assert one.frame["gait"].tolist() == again.frame["gait"].tolist()
         assert one.time == again.time
     assert one.caught
+
+
+@pytest.mark.parametrize(("structure", "status"), [("tan", 0), ("previous_gait", 2), ("tann", 2)])
+def test_the_command_fits_a_structure(structure: str, status: int, tmp_path: Path, monkeypatch, capsys) -> None:
+    from bayeshunt.cli import main
+
+    data, out = tmp_path / "babbling.parquet", tmp_path / "model.json"
+    bh.save_dataset(bh.babble("khepera", steps=200, seed=0), data)
+    arguments = ["bayeshunt", "fit", str(data), "--out", str(out), "--structure", structure, "--json"]
+    monkeypatch.setattr("sys.argv", arguments)
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code == status
+    printed = capsys.readouterr()
+    assert out.exists() is (status == 0)
+    if status:
+        assert structure in printed.err
+        assert len(printed.err.splitlines()) == 1
+    else:
+        assert json.loads(printed.out)["edges"] == [list(e) for e in bh.ForwardModel.load(out).structure.edges]
