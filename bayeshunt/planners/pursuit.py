@@ -53,6 +53,7 @@ class ProportionalNavigation:
             )
         self.constant = float(navigation_constant)
         self.steering = Steering(model)
+        self._fast = _fast_gaits(self.steering)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait whose turn is nearest the one commanded."""
@@ -71,14 +72,12 @@ class ProportionalNavigation:
         miss = np.where(self._fast, miss, miss + math.pi)
         return steering.plan(miss, "difference from the turn commanded [rad]", Polar(*map(float, prey)), True)
 
-    @property
-    def _fast(self) -> np.ndarray:
-        """Gaits that go about as far as the fastest, and the turns on the spot: all but the slow ones, bool [G]."""
-        steering = self.steering
-        ends = np.hypot(steering.forward, steering.right)
-        half = 0.5 * steering.heading
-        arcs = ends * np.where(np.abs(half) > 1e-6, np.abs(half / np.sin(np.where(half == 0, 1.0, half))), 1.0)
-        return arcs >= 0.6 * steering.reach
+
+def _fast_gaits(steering: Steering) -> np.ndarray:
+    """Return the gaits that drive nearly as far as the fastest along their arcs, bool [G]: all but the slow ones."""
+    chord, half = np.hypot(steering.forward, steering.right), 0.5 * np.abs(steering.heading)
+    arcs = chord * half / np.sin(np.maximum(half, 1e-9))
+    return np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
 
 
 class ConstantVelocity:
