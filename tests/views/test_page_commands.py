@@ -1,0 +1,65 @@
+"""replay and report as typed: they write their page, say so, and refuse wrong input in one line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.cli import main
+
+
+@pytest.fixture
+def bayeshunt(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments, status=0):
+        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        out, err = capfd.readouterr()
+        assert stopped.value.code == status, err
+        return out, err
+
+    return run
+
+
+def test_a_recorded_hunt_becomes_a_page(bayeshunt, tmp_path, khepera_model):
+    khepera_model.save(tmp_path / "model.json")
+    options = ("--planner", "prediction", "--arena", "walled", "--seed", "2", "--model", "model.json")
+    out, _ = bayeshunt("hunt", *options, "--out", "hunt.parquet", "--replay", "live.html", "--json")
+    assert json.loads(out)["replay"] == "live.html"
+    out, _ = bayeshunt("replay", "hunt.parquet", "--out", "stored.html", "--model", "model.json", "--json")
+    assert json.loads(out) == {"out": "stored.html", "bytes": (tmp_path / "stored.html").stat().st_size}
+    assert (tmp_path / "stored.html").read_bytes() == (tmp_path / "live.html").read_bytes()
+
+
+def test_an_evaluation_becomes_a_page(bayeshunt, tmp_path, khepera_model):
+    khepera_model.save(tmp_path / "model.json")
+    options = ("--planner", "prediction", "--arena", "open", "--runs", "1", "--jobs", "1", "--model", "model.json")
+    bayeshunt("evaluate", *options, "--out", "results", "--quiet")
+    out, _ = bayeshunt("report", "results", "--out", "report.html", "--model", "model.json", "--json")
+    facts = json.loads(out)
+    assert (facts["out"], facts["hunts"], facts["warnings"]) == ("report.html", 7, [])
+    html = (tmp_path / "report.html").read_text()
+    assert "bayeshunt evaluate --preset paper --planner prediction --arena open --runs 1" in html
+    assert bh.load_experiment("paper").note in html
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        (("replay", "none.parquet", "--out", "a.html"), 2, "none.parquet: no such file"),
+        (("replay", "text.parquet", "--out", "a.html"), 2, "text.parquet"),
+        (("report", "none", "--out", "a.html"), 2, "none: no hunts.parquet here"),
+        (("report", "none", "--out", "nowhere/a.html"), 2, "the folder nowhere does not exist"),
+        (("hunt", "--replay", "nowhere/a.html"), 2, "the folder nowhere does not exist"),
+    ],
+)
+def test_wrong_input_is_one_line(bayeshunt, tmp_path, arguments, status, message):
+    (tmp_path / "text.parquet").write_text("not an episode")
+    _, err = bayeshunt(*arguments, status=status)
+    assert message in err
+    assert len(err.strip().splitlines()) == 1
+    assert not list(tmp_path.glob("*.html"))
