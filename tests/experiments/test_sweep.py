@@ -179,3 +179,28 @@ def test_a_reference_is_kept_and_found_again(settings, tmp_path):
     with pytest.raises(InputError, match="samples"):
         reference(settings, samples=0)
     assert math.isfinite(float(first.values.max()))
+
+
+@pytest.mark.slow
+def test_bounds_bound_and_baselines_are_beaten(tmp_path, capsys):
+    """Seed 0, 10 runs per bearing: the limit, the omniscient hunter, the reference and the best baseline, in order."""
+    table = tmp_path / "reference.npz"
+    reference("paper", seed=0).save(table)
+    point = load_experiment("paper", {"planner.reference.table": str(table), "protocol.runs": 10})
+    planners = ["kinematic_limit", "omniscient", "reference", "constant_velocity", "planning"]
+    rows = {
+        (r["planner"], r["arena"]): r
+        for r in summarise(evaluate(point, planners=planners), point)
+        if r["theta"] is None
+    }
+    with capsys.disabled():
+        for (name, arena), row in rows.items():
+            print(f"{name} {arena}: {row['caught']}/{row['runs']}, {row['mean_time_s']:.2f} s")
+    for arena in ("walled", "open"):
+        times = [rows[name, arena]["mean_time_s"] for name in ("kinematic_limit", "omniscient", "constant_velocity")]
+        assert times == sorted(times)
+        assert rows["omniscient", arena]["success"] >= 0.97
+        assert rows["omniscient", arena]["mean_time_s"] < rows["planning", arena]["mean_time_s"] - 5
+    assert rows["reference", "open"]["success"] >= 0.95
+    assert rows["reference", "open"]["mean_time_s"] == pytest.approx(18.9, abs=1.5)
+    assert rows["kinematic_limit", "open"]["mean_time_s"] == pytest.approx(11.1, abs=0.2)
