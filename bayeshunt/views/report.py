@@ -88,6 +88,7 @@ def report_facts(
         "bearings": [row for row in rows if row["theta"] is not None],
         "looks": list(looks.values()),
         "marked": [name for name in planners if not is_ab_initio(name)], "mark": NOT_AB_INITIO,
+        "published": list(settings.published),
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],

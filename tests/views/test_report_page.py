@@ -47,6 +47,10 @@ def test_planners_that_know_more_are_marked(results, khepera_model):
     html = report_html(report_facts(renamed, model=khepera_model))
     assert '<th scope="row">omniscient *</th>' in html
     assert '<th scope="row">reactive</th>' in html
+    (row,) = re.findall(r'<tr><th scope="row">reactive</th><td>open</td>.*?</tr>', html.split('id="bearings"')[0])
+    assert "not reported" in row  # the paper has this planner, but not in this arena
+    (row,) = re.findall(r'<tr><th scope="row">omniscient \*</th><td>open</td>.*?</tr>', html)
+    assert "not reported" not in row  # the paper has no such planner
     assert "* Not ab initio" in html
 
 
