@@ -18,6 +18,8 @@ from bayeshunt.views.display_models import bars
 MOST_CHILDREN = 12
 MOST_NODES = 1500
 _MOST_ROWS = 200
+#: Names that traces give to the value of a node, and their units.
+_VALUES = (("value_bodies", "bodies"), ("value_s", "s"), ("value_m", "m"), ("value", ""))
 
 
 def plan(shown: Plan) -> Html:
@@ -82,10 +84,9 @@ def _node(record: dict[str, Any]) -> list[Any]:
     """What one node says: its last gait, how deep, its value, when it was expanded."""
     gait = record.get("gait") or "now"
     words = []
-    if "value_bodies" in record:
-        words.append(f"{number(record['value_bodies'])} bodies")
-    elif "value" in record:
-        words.append(number(record["value"]))
+    name, unit = value_column(record)
+    if name is not None:
+        words.append(f"{number(record[name])} {unit}".rstrip())
     if record.get("transition_cost"):
         words.append(f"{record['transition_cost']} change{'s' if record['transition_cost'] != 1 else ''} of gait")
     if record.get("expansion", -1) >= 0:
@@ -95,8 +96,14 @@ def _node(record: dict[str, Any]) -> list[Any]:
 
 
 def _value(record: dict[str, Any]) -> float:
-    value = record.get("value_m", record.get("value", 0.0))
-    return math.inf if value != value else float(value)
+    name, _ = value_column(record)
+    value = 0.0 if name is None else float(record[name])
+    return math.inf if math.isnan(value) else value
+
+
+def value_column(columns: Any) -> tuple[str | None, str]:
+    """Return which column of a trace holds the value of a node, and its unit; (None, "") if none does."""
+    return next(((name, unit) for name, unit in _VALUES if name in columns), (None, ""))
 
 
 def episode(shown: Episode) -> Html:
@@ -135,8 +142,10 @@ def _decisions(frame: pd.DataFrame) -> Html:
 
 
 def frame_table(frame: pd.DataFrame) -> Html:
-    """Return a table as it is, its chosen rows lit; at most 200 rows."""
+    """Return a table as it is, its chosen rows on top and lit; at most 200 rows."""
     columns = [str(c) for c in frame.columns]
+    if "chosen" in columns:
+        frame = frame.sort_values("chosen", ascending=False, kind="stable")
     rows = []
     for record in frame.head(_MOST_ROWS).to_dict("records"):
         cells = [number(v) if isinstance(v, float) else str(v) for v in record.values()]

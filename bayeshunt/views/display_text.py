@@ -17,6 +17,7 @@ from bayeshunt.models.posterior import Posterior
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.planners.base import Plan
+from bayeshunt.views.display_plans import value_column
 
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _BAR = 24  # characters of a full bar
@@ -124,23 +125,24 @@ def plan(shown: Plan) -> str:
     if shown.evidence_probability is not None:
         lines.append(f"evidence  P = {shown.evidence_probability:.4g}, {shown.support} babbling rows")
     trace = shown.trace
-    if {"node", "parent", "chosen", "value_bodies"} <= set(trace.columns):
-        lines += ["", *_tree(trace)]
+    name, unit = value_column(trace.columns)
+    if {"node", "parent", "chosen", "T"} <= set(trace.columns) and name is not None:
+        lines += ["", *_tree(trace, name, unit)]
     elif shown.posterior is not None and "gait" in trace.columns:
         lines += ["", *bars(zip(trace["gait"], np.asarray(shown.posterior).tolist(), strict=True))]
     return "\n".join(lines)
 
 
-def _tree(trace: Any, most: int = 3) -> list[str]:
+def _tree(trace: Any, value: str, unit: str, most: int = 3) -> list[str]:
     """The chosen branch, and beside each of its nodes the next best alternatives."""
     lines = []
     for record in trace[trace["chosen"]].sort_values("T").to_dict("records"):
         indent = "  " * int(record["T"])
         name = clean(record["gait"]) or "now"
-        lines.append(f"{indent}* {name}  {record['value_bodies']:.2f} bodies")
+        lines.append(f"{indent}* {name}  {record[value]:.2f} {unit}".rstrip())
         rivals = trace[(trace["parent"] == record["parent"]) & ~trace["chosen"]]
-        for rival in rivals.nsmallest(most, "value_bodies").to_dict("records"):
-            lines.append(f"{indent}  {clean(rival['gait'])}  {rival['value_bodies']:.2f}")
+        for rival in rivals.nsmallest(most, value).to_dict("records"):
+            lines.append(f"{indent}  {clean(rival['gait'])}  {rival[value]:.2f}")
     return lines
 
 

@@ -302,6 +302,20 @@ def test_other_traces_are_shown_as_they_are(shown) -> None:
     assert page.find("tr", "bh-lit")[0]["text"].startswith("<a>")
 
 
+@pytest.mark.parametrize("planner", ["intercept", "pure_pursuit"])
+def test_plans_of_other_planners(khepera_model, planner: str) -> None:
+    hunt = bh.hunt("paper", bh.make_planner(planner, khepera_model), arena="open", theta=2.0, seed=1)
+    plan = hunt.plans[1]
+    page = check(plan._repr_html_())
+    assert page.find("span", "bh-lit") or page.find("tr", "bh-lit")
+    assert plan.gait in str(plan)
+    if planner == "intercept":
+        first = plan.trace[plan.trace["chosen"] & (plan.trace["T"] == 1)].iloc[0]
+        told = f"{display_html.number(first['value_s'])} s"
+        assert any(first["gait"] in e["text"] and told in e["text"] for e in page.find("span", "bh-lit"))
+        assert f"* {first['gait']}  {first['value_s']:.2f} s" in str(plan)
+
+
 def test_a_hunt_shows_every_decision(shown) -> None:
     for episode in (shown.episode, shown.long, shown.loaded):
         page = check(episode._repr_html_())
