@@ -75,19 +75,22 @@ def workers(options: argparse.Namespace) -> None:
 
 
 def babble(options: argparse.Namespace) -> None:
-    """Babbling into a file."""
+    """Babbling into a file, processor time of one process."""
     rows = 1000
     while rows <= options.rows:
         with tempfile.TemporaryDirectory() as folder:
-            path, start = Path(folder) / "b.parquet", time.perf_counter()
-            babble_to_file("khepera", rows, 0, path, jobs=options.jobs)
-            seconds, size = time.perf_counter() - start, path.stat().st_size
+            path, start = Path(folder) / "b.parquet", time.process_time()
+            babble_to_file("khepera", rows, 0, path)
+            seconds, size = time.process_time() - start, path.stat().st_size
         print(f"{rows:>12,} rows  {1e6 * seconds / rows:8.1f} us a row  {size / rows:6.1f} bytes a row", flush=True)
         rows *= 10
 
 
 def fit(options: argparse.Namespace) -> None:
-    """Counting a table of repeated rows: 100,000 babbled ones, as many times as it takes."""
+    """Counting a table of repeated rows: 100,000 babbled ones, as many times as it takes.
+
+    Processor time of all threads.
+    """
     robot = bh.load_robot("khepera")
     frame = bh.babble(robot, options.babbled, 0)
     group = dataset.to_arrow(frame.loc[frame.index.repeat(sealed.ROW_GROUP // len(frame))])
@@ -97,11 +100,11 @@ def fit(options: argparse.Namespace) -> None:
             path, times = Path(folder) / "b.parquet", rows // group.num_rows
             record = frame.attrs[dataset.PROVENANCE_KEY]
             sealed.write_groups(group.schema, (group for _ in range(times)), [mark] * times, record, path)
-            start = time.perf_counter()
+            start = time.process_time()
             joint, _ = count_tables(open_tables([path]), robot.gaits)
-            counted = time.perf_counter() - start
+            counted = time.process_time() - start
             bh.ForwardModel.from_counts(joint)
-            fitted = time.perf_counter() - start - counted
+            fitted = time.process_time() - start - counted
         print(
             f"{joint.total:>12,} rows  counting {counted:7.2f} s = {1e6 * counted / rows:.2f} us a row, then fitting "
             f"{fitted:.2f} s; most memory so far {peak_megabytes():.0f} MB",
@@ -125,7 +128,6 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--rows", type=int, default=1_000_000)
     parser.add_argument("--babbled", type=int, default=10_000, help="distinct rows of the table to fit")
-    parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
     parts[options.part](options)
 
