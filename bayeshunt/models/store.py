@@ -82,7 +82,7 @@ def loads(text: str, name: str = "model") -> ForwardModel:
         raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")
     if isinstance(version, bool) or version not in READABLE:
         raise ModelFileError(f"{name}: format is {version!r}; expected {' or '.join(map(str, READABLE))}")
-    content = record.get("content")
+    content: Any = record.get("content")
     if record.get("checksum") != _checksum(content):
         raise ModelFileError(f"{name}: checksum does not match: the file was edited or damaged; fit it again")
     try:

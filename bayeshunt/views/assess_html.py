@@ -53,14 +53,11 @@ def _variables(shown: Assessment) -> Html:
 
 
 def _independence(shown: Assessment) -> Html:
-    rows = [
-        row(
-            f"{found.x}, {found.y}",
-            [number(found.g, 5), found.degrees, f"{found.p_permutation:.3f}", number(found.p_chi2, 2),
-             number(found.information_bits), number(found.information_chance_bits)],
-        )
-        for found in shown.independence.itertuples()
-    ]  # fmt: skip
+    rows = []
+    for _, found in shown.independence.iterrows():
+        cells = [number(found["g"], 5), found["degrees"], f"{found['p_permutation']:.3f}", number(found["p_chi2"], 2)]
+        cells += [number(found["information_bits"]), number(found["information_chance_bits"])]
+        rows.append(row(f"{found['x']}, {found['y']}", cells))
     return table(["pair", "G", "df", "p (shuffles)", "p (chi-square)", "bits", "bits by chance"], rows)
 
 
