@@ -94,7 +94,8 @@ def parallel(
         with _interrupts_held_back():
             outputs = pool(delayed(call)(item) for item in items)
         try:
-            yield from outputs
+            for output in outputs:  # noqa: UP028 - "yield from" would close it itself, aloud
+                yield output
         finally:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # joblib says how many calls were cancelled: that was the wish
