@@ -1,7 +1,8 @@
-"""What many tests share: one small babbling table and the model fitted to it."""
+"""What many tests share: one small babbling table, the model fitted to it, and the command line as typed."""
 
 import pytest
 
+from bayeshunt.cli import main
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.settings import load_robot
 from bayeshunt.world.babbling import babble
@@ -17,3 +18,25 @@ def khepera_frame():
 def khepera_model(khepera_frame):
     """The forward model of those."""
     return ForwardModel.fit(khepera_frame, load_robot("khepera").gaits)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The working folder of the commands; a module may override it."""
+    return tmp_path
+
+
+@pytest.fixture
+def bayeshunt(folder, monkeypatch, capfd):
+    """Run a command in ``folder`` as a user types it: returns its output and its messages."""
+    monkeypatch.chdir(folder)
+
+    def run(*arguments, status=0):
+        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        out, err = capfd.readouterr()
+        assert stopped.value.code == status, err
+        return out, err
+
+    return run

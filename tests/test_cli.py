@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 import typer
 
-from bayeshunt.cli import main
 from bayeshunt.cli.app import app
 
 README = (Path(__file__).parent.parent / "README.md").read_text()
@@ -18,21 +17,6 @@ README = (Path(__file__).parent.parent / "README.md").read_text()
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("work")
-
-
-@pytest.fixture
-def bayeshunt(folder, monkeypatch, capfd):
-    monkeypatch.chdir(folder)
-
-    def run(*arguments, status=0):
-        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        out, err = capfd.readouterr()
-        assert stopped.value.code == status, err
-        return out, err
-
-    return run
 
 
 def test_the_whole_way(bayeshunt, folder):

@@ -4,24 +4,6 @@ import json
 
 import pytest
 
-from bayeshunt.cli import main
-
-
-@pytest.fixture
-def bayeshunt(tmp_path, monkeypatch, capfd):
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments, status=0):
-        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        out, err = capfd.readouterr()
-        assert stopped.value.code == status, err
-        return out, err
-
-    return run
-
-
 SMALL = ["--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
 
 

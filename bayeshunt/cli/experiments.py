@@ -12,7 +12,21 @@ from typing import Annotated
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Config, Json, Model, Overrides, Preset, Quiet, Seed, check_names, parse_overrides
+from bayeshunt.cli.options import (
+    Arenas,
+    Config,
+    Jobs,
+    Json,
+    Model,
+    Overrides,
+    Planners,
+    Preset,
+    Quiet,
+    Runs,
+    Seed,
+    check_names,
+    parse_overrides,
+)
 
 
 @app.command(short_help="Run the paper's experiment: its table beside ours.")
@@ -21,11 +35,11 @@ def evaluate(
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
-    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
-    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
-    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    planner: Planners = None,
+    arena: Arenas = None,
+    runs: Runs = None,
     seed: Seed = 0,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    jobs: Jobs = -1,
     scheduler: Annotated[
         str | None, typer.Option(help="Work on a dask cluster: local, or an address such as tcp://host:8786.")
     ] = None,

@@ -22,6 +22,10 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", help="Change one setting, e.g. prey.speed=0.04; may be given several times."),
 ]
+Planners = Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")]
+Arenas = Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")]
+Runs = Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")]
+Jobs = Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")]
 Model = Annotated[Path | None, typer.Option(help="Forward model made by fit; by default one is babbled and fitted.")]
 
 

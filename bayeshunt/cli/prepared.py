@@ -9,6 +9,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import (
+    Arenas,
     Config,
     Json,
     Overrides,
@@ -63,7 +64,7 @@ def remember(
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
-    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
+    arena: Arenas = None,
     planner: Annotated[str, typer.Option(help="Who hunts while the prey is watched.")] = "reactive",
     runs: Annotated[int, typer.Option(help="Training hunts per bearing and arena.")] = 30,
     seed: Seed = 0,

@@ -9,7 +9,21 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Config, Json, Overrides, Preset, Quiet, Seed, check_names, parse_overrides, toml_value
+from bayeshunt.cli.options import (
+    Arenas,
+    Config,
+    Jobs,
+    Json,
+    Overrides,
+    Planners,
+    Preset,
+    Quiet,
+    Runs,
+    Seed,
+    check_names,
+    parse_overrides,
+    toml_value,
+)
 from bayeshunt.errors import ConfigError, InputError
 
 
@@ -24,11 +38,11 @@ def sweep(
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
-    planner: Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")] = None,
-    arena: Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")] = None,
-    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    planner: Planners = None,
+    arena: Arenas = None,
+    runs: Runs = None,
     seed: Seed = 0,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    jobs: Jobs = -1,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the table, the figure and every hunt; the same line goes on.")
     ] = None,
@@ -83,9 +97,9 @@ def tradeoff(
         list[str] | None, typer.Option(help="Planner to show beside; may be given several times.")
     ] = None,
     arena: Annotated[str, typer.Option(help="Arena of the settings.")] = "open",
-    runs: Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")] = None,
+    runs: Runs = None,
     seed: Seed = 0,
-    jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
+    jobs: Jobs = -1,
     out: Annotated[Path | None, typer.Option(help="Folder for the table and the figure.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,

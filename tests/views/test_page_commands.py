@@ -7,22 +7,6 @@ import json
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.cli import main
-
-
-@pytest.fixture
-def bayeshunt(tmp_path, monkeypatch, capfd):
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments, status=0):
-        monkeypatch.setattr("sys.argv", ["bayeshunt", *arguments])
-        with pytest.raises(SystemExit) as stopped:
-            main()
-        out, err = capfd.readouterr()
-        assert stopped.value.code == status, err
-        return out, err
-
-    return run
 
 
 def test_a_recorded_hunt_becomes_a_page(bayeshunt, tmp_path, khepera_model):
