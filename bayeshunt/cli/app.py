@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -25,8 +26,17 @@ app = typer.Typer(
 @app.callback(invoke_without_command=True)
 def root(
     version: Annotated[bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)] = False,
+    plugin: Annotated[
+        list[Path] | None,
+        typer.Option(help="Python file of your own that registers prey or planners; it is run. May be repeated."),
+    ] = None,
 ) -> None:
-    """Print the version if asked."""
+    """Print the version if asked; run the plugins."""
+    if plugin:
+        from bayeshunt.experiments.plugins import load_plugin
+
+        for path in plugin:
+            load_plugin(path)
     if version:
         from importlib.metadata import version as installed
 

@@ -15,6 +15,7 @@ from bayeshunt.config import ExperimentSettings
 from bayeshunt.experiments import workers
 from bayeshunt.experiments.database import Numbered, Sink
 from bayeshunt.experiments.identity import versions
+from bayeshunt.experiments.plugins import Additions
 from bayeshunt.hunting import Result, run_hunt
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
@@ -31,15 +32,16 @@ def batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
 
 
 class Ticket(NamedTuple):
-    """One evaluation: the process that asks for it, and a name that no other evaluation has."""
+    """One evaluation: the process that asks for it, a name that no other has, and what it has registered."""
 
     process: int
     name: str
+    additions: Additions
 
     @classmethod
     def new(cls) -> Ticket:
         """Return a ticket of this process."""
-        return cls(os.getpid(), uuid.uuid4().hex)
+        return cls(os.getpid(), uuid.uuid4().hex, Additions.here())
 
 
 def run_batch(
@@ -52,6 +54,7 @@ def run_batch(
     """
     workers.guard_worker(ticket.process)
     workers.check_worker_versions(expected, versions())
+    ticket.additions.adopt()
     planner = _mind(ticket, hunts[0].task.planner, model, settings)
     pairs = []
     with sink.opened() if sink is not None else contextlib.nullcontext() as writer:

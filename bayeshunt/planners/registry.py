@@ -121,3 +121,14 @@ register_planner("intercept", intercept, settings=[f.name for f in dataclasses.f
 register_planner("intercept_room", intercept_room, settings=[f.name for f in dataclasses.fields(RoomGuessSettings)])
 register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
 register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])
+_SHIPPED = frozenset(_REGISTRY)
+
+
+def registered_planners() -> dict[str, tuple[Factory, tuple[str, ...] | None]]:
+    """Return the factory and the settings' names of every planner registered beside those that ship."""
+    return {n: (e.factory, e.settings) for n, e in _REGISTRY.items() if n not in _SHIPPED}
+
+
+def adopt_planner(name: str, factory: Factory, settings: tuple[str, ...] | None) -> None:
+    """Know in this process a planner that was registered in another; one already known stays as it is."""
+    _REGISTRY.setdefault(name, _Entry(factory, settings))

@@ -152,11 +152,22 @@ _BEHAVIOURS: dict[str, Callable[[Context], Prey]] = {
     "random_walk": RandomWalk,
     "evader": Evader,
 }
+_SHIPPED = frozenset(_BEHAVIOURS)
 
 
 def register_prey(name: str, behaviour: Callable[[Context], Prey]) -> None:
-    """Give a behaviour a name that ``prey.behaviour`` in a settings file may use."""
+    """Give a behaviour a name that ``prey.behaviour`` in a settings file may use.
+
+    Worker processes of an evaluation are told of it too. Raises InputError if the name is one that ships.
+    """
+    if name in _SHIPPED:
+        raise InputError(f"a prey behaviour called {name!r} ships already; choose another name")
     _BEHAVIOURS[name] = behaviour
+
+
+def registered_prey() -> dict[str, Callable[[Context], Prey]]:
+    """Return the behaviours registered beside those that ship, by name."""
+    return {name: behaviour for name, behaviour in _BEHAVIOURS.items() if name not in _SHIPPED}
 
 
 def prey_names() -> list[str]:

@@ -1,0 +1,67 @@
+"""Prey and planners of one's own: from a file, and on to the worker processes."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import importlib.util
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from bayeshunt.errors import InputError
+from bayeshunt.planners.registry import adopt_planner, registered_planners
+from bayeshunt.world.prey import register_prey, registered_prey
+
+
+class Additions(NamedTuple):
+    """What has been registered in one process beside what ships: prey behaviours and planners, by name."""
+
+    prey: dict[str, Any]
+    planners: dict[str, Any]
+
+    @classmethod
+    def here(cls) -> Additions:
+        """Return the additions of this process."""
+        return cls(registered_prey(), registered_planners())
+
+    def adopt(self) -> None:
+        """Know them in this process too."""
+        known = registered_prey()
+        for name, behaviour in self.prey.items():
+            if name not in known:
+                register_prey(name, behaviour)
+        for name, (factory, settings) in self.planners.items():
+            adopt_planner(name, factory, settings)
+
+
+def load_plugin(path: str | os.PathLike[str]) -> ModuleType:
+    """Run a Python file of the user's that calls ``register_prey`` or ``register_planner``.
+
+    Raises InputError in one line if the file is missing or fails.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise InputError(f"{file}: no such file; expected a Python file that registers prey or planners")
+    name = f"bayeshunt_plugin_{file.stem}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise InputError(f"{file}: expected a Python file (.py)")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        raise InputError(f"{file}: {type(error).__name__}: {error}") from error
+    _send_by_value(module)
+    return module
+
+
+def _send_by_value(module: ModuleType) -> None:
+    """Let workers get the plugin's classes whole: they cannot import a file that only this process has read."""
+    for name in ("cloudpickle", "joblib.externals.cloudpickle"):  # joblib brought its own copy before 1.6
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name).register_pickle_by_value(module)
