@@ -98,4 +98,3 @@ def intercept_time(ahead: float, right: float, v_ahead: float, v_right: float, s
         return math.inf
     times = sorted(((-b - math.sqrt(root)) / a, (-b + math.sqrt(root)) / a))
     return next((t for t in times if t >= 0 and speed * t + reach >= 0), math.inf)
-
