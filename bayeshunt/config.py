@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from bayeshunt.errors import ConfigError
 from bayeshunt.gaits import Gait, GaitRepertoire
 
 Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -197,13 +198,19 @@ class ExperimentSettings(Settings):
     )
 
     @model_validator(mode="after")
-    def _starts_inside(self) -> ExperimentSettings:
+    def _has_an_arena(self) -> ExperimentSettings:
         if not self.arenas:
             raise ValueError("arenas: at least one arena is needed")
-        reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter
-        for name, arena in self.arenas.items():
-            if arena.walled and reach > 0.5 * min(arena.width, arena.height):
-                raise ValueError(
-                    f"arenas.{name}: the prey would start in a wall; make it larger than {2 * reach:.3f} m"
-                )
         return self
+
+    def check_arena(self, name: str) -> None:
+        """Raise ConfigError unless there is an arena ``name`` in which the prey does not start in a wall."""
+        if name not in self.arenas:
+            raise ConfigError(f"unknown arena {name!r}; expected one of {', '.join(self.arenas)}")
+        arena = self.arenas[name]
+        reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter
+        if arena.walled and reach > 0.5 * min(arena.width, arena.height):
+            raise ConfigError(
+                f"settings {self.name!r}: arenas.{name}.width and height: the prey would start in a wall; "
+                f"make both larger than {2 * reach:.3f} m"
+            )

@@ -60,6 +60,8 @@ def hunt(
     Raises InputError for an unknown arena or a seed or theta that is not a number in range.
     """
     settings = load_experiment(experiment)
+    if not callable(getattr(planner, "plan", None)):
+        raise InputError(f'planner: expected one made by make_planner("planning", model), got {planner!r}')
     steps: list[Step] = []
     trail: list[Moment] = []
     trial = _Trial(settings, arena, theta, seed, prey_model, trail)
@@ -193,8 +195,7 @@ def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
 
 
 def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int) -> None:
-    if arena not in settings.arenas:
-        raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+    settings.check_arena(arena)
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
     if isinstance(theta, (str, bool)) or not math.isfinite(theta):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import difflib
 import os
 import tomllib
@@ -49,10 +51,14 @@ def load_experiment(
     else:
         values, source = _read(experiment, "")
         values = _resolve(values, source)
+    before = values
+    values = copy.deepcopy(values)
     for key, value in (overrides or {}).items():
         _set(values, key, value, source)
     if isinstance(values.get("robot"), str):  # given as a change
         values["robot"] = load_robot(values["robot"]).model_dump()
+    if overrides:
+        _forget_publication(values, before, set(overrides))
     return parse(ExperimentSettings, values, source)
 
 
@@ -119,14 +125,48 @@ def _resolve(values: dict[str, Any], source: str) -> dict[str, Any]:
         if not isinstance(base, str) or base not in preset_names():
             raise ConfigError(f"{source}: base: expected a preset ({', '.join(preset_names())}), got {base!r}")
         below, _ = _read(base, "")
-        values = _merge(_resolve(below, base), values)
-        if "name" not in values:
-            values["name"] = Path(source).stem
+        below = _resolve(below, base)
+        named = {"name": Path(source).stem, **values}
+        values = _merge(below, named)
+        _resolve_robot(values, folder)
+        _forget_publication(values, below, set(named))
+    _resolve_robot(values, folder)
+    return values
+
+
+def _resolve_robot(values: dict[str, Any], folder: Path) -> None:
     robot = values.get("robot")
     if isinstance(robot, str):
         path = folder / robot if robot.endswith(".toml") else robot
         values["robot"] = load_robot(path).model_dump()
-    return values
+
+
+#: What makes an experiment another one than the published: change it, and the published figures say nothing.
+_EXPERIMENT = ("robot", "prey", "arenas", "physics", "protocol", "model")
+
+
+def _forget_publication(values: dict[str, Any], before: dict[str, Any], given: set[str]) -> None:
+    """Drop the published figures and reword the note where the experiment is no longer the published one."""
+    changed = [key for key in _EXPERIMENT if _without_runs(values, key) != _without_runs(before, key)]
+    if not changed or not before.get("published"):
+        return
+    if "published" not in given:
+        values["published"] = {}
+    if "note" not in given:
+        values["note"] = (
+            f"Changed from {before['name']!r} ({', '.join(changed)}), whose own settings were fitted to published "
+            "totals; these figures have no published counterpart."
+        )
+
+
+def _without_runs(values: dict[str, Any], key: str) -> dict[str, Any]:
+    """A group of settings as parsed, defaults filled in; more runs make no other experiment."""
+    group = ExperimentSettings.model_fields[key].annotation
+    given = values.get(key, {})
+    if isinstance(group, type) and issubclass(group, BaseModel):
+        with contextlib.suppress(ValidationError):  # said later, with its key
+            given = group.model_validate(given).model_dump()
+    return {name: value for name, value in given.items() if name != "runs"}
 
 
 def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:

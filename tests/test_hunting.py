@@ -131,3 +131,8 @@ def robot_settings(name):
     from bayeshunt.settings import load_robot
 
     return load_robot(name).model_dump()
+
+
+def test_a_name_is_no_planner():
+    with pytest.raises(InputError, match=r'make_planner\("planning", model\), got \'planning\''):
+        hunt("paper", "planning")

@@ -38,7 +38,7 @@ def test_a_users_file_may_change_only_some_keys(tmp_path):
     write(tmp_path, 'name = "tiny"\n' + BODY, "robot.toml")
     path = write(tmp_path, 'base = "paper"\nrobot = "robot.toml"\n[prey]\nspeed = 0.03\n')
     mine = load_experiment(path)
-    assert mine.name == "paper"
+    assert mine.name == "mine"
     assert mine.robot.name == "tiny"
     assert mine.prey.speed == 0.03
     assert mine.arenas["walled"].width == 1.2
@@ -61,7 +61,6 @@ def test_overrides_by_dotted_key():
         ('base = "paper"\n[prey.body]\ndrive = "legs"\n', r"prey\.body\.drive: .*'differential'.*got 'legs'"),
         ('base = "paper"\n[protocol]\nruns = "many"\n', r"protocol\.runs: .*got 'many'"),
         ('base = "paper"\n[protocol]\nthetas = []\n', r"protocol\.thetas: "),
-        ('base = "paper"\n[arenas.walled]\nwidth = 0.2\n', "the prey would start in a wall"),
         ('base = "paper"\nrobot = "kepera"\n', "no preset called 'kepera'; did you mean 'khepera'"),
         ('name = "x"\n', "robot: required, but not given"),
     ],
@@ -106,3 +105,44 @@ def test_every_key_has_a_meaning(kind):
     assert len(rows) > 15
     bare = [row["key"] for row in rows if not row["meaning"]]
     assert not bare
+
+
+@pytest.mark.parametrize(
+    ("change", "published"),
+    [
+        ({"protocol.runs": 3}, True),
+        ({"prey.speed": 0.048}, True),
+        ({"planner.planning.depth": 4}, True),
+        ({"prey.speed": 0.03}, False),
+        ({"robot": "car"}, False),
+        ({"protocol.time_limit": 30}, False),
+        ({"arenas.walled.width": 2.0}, False),
+        ({"model.babbling_steps": 100}, False),
+    ],
+)
+def test_a_changed_experiment_is_not_held_against_the_paper(tmp_path, change, published):
+    paper = load_experiment("paper")
+    for changed in (load_experiment("paper", change), load_experiment(paper, change)):
+        assert bool(changed.published) == published
+        assert (changed.note == paper.note) == published
+        assert published or "no published counterpart" in changed.note
+
+
+def test_a_users_file_is_not_held_against_the_paper(tmp_path):
+    mine = load_experiment(write(tmp_path, 'base = "paper"\n[prey]\nspeed = 0.03\n'))
+    assert not mine.published
+    assert "Changed from 'paper' (prey)" in mine.note
+    own = load_experiment(
+        write(tmp_path, 'base = "paper"\nnote = "ours"\n[prey]\nspeed = 0.03\n[published.planning]\nopen = 0.5\n')
+    )
+    assert own.published["planning"]["open"] == 0.5
+    assert own.note == "ours"
+    same = load_experiment(write(tmp_path, 'base = "paper"\n[protocol]\nruns = 3\n'))
+    assert same.published == load_experiment("paper").published
+
+
+def test_an_arena_is_checked_when_it_is_used(tmp_path):
+    tight = load_experiment("paper", {"arenas.walled.width": 0.2})
+    tight.check_arena("open")
+    with pytest.raises(ConfigError, match=r"arenas\.walled\.width and height: the prey would start in a wall"):
+        tight.check_arena("walled")

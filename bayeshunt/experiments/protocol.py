@@ -37,8 +37,7 @@ def plan_hunts(
     Raises InputError for an arena that the settings lack or a name that is given twice.
     """
     for arena in arenas:
-        if arena not in settings.arenas:
-            raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+        settings.check_arena(arena)
     for kind, names in (("planner", planners), ("arena", arenas)):
         twice = [name for name in names if list(names).count(name) > 1]
         if twice:

@@ -40,8 +40,8 @@ def evaluate(
     runs: int | None = None,
     seed: int = 0,
     jobs: int = 1,
-    planners: Sequence[str] | None = None,
-    arenas: Sequence[str] | None = None,
+    planners: str | Sequence[str] | None = None,
+    arenas: str | Sequence[str] | None = None,
     model: ForwardModel | None = None,
     out: str | os.PathLike[str] | None = None,
     scheduler: str | None = None,
@@ -70,8 +70,8 @@ def evaluate(
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     _check_seed(seed)
-    planners = tuple(planners) if planners else settings.planners
-    arenas = tuple(arenas) if arenas else tuple(settings.arenas)
+    planners = _names(planners, settings.planners)
+    arenas = _names(arenas, tuple(settings.arenas))
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
         _check_minds(planners, model, settings)
@@ -196,6 +196,11 @@ def results_frame(
 
 
 check_jobs = workers.check_jobs
+
+
+def _names(given: str | Sequence[str] | None, default: Sequence[str]) -> tuple[str, ...]:
+    """One name, several, or the settings' own."""
+    return (given,) if isinstance(given, str) else tuple(given or default)
 
 
 def _check_seed(seed: Any) -> None:

@@ -30,7 +30,7 @@ def hunt_command(
 ) -> str:
     """Return the command that makes one hunt and its replay again; ``source`` as :func:`model_option` gives it."""
     words = ["bayeshunt", "hunt", *_experiment(settings), "--planner", planner, "--arena", arena]
-    words += ["--theta", f"{theta!r}", "--seed", str(seed), *source, "--replay", "hunt.html"]
+    words += ["--theta", f"{float(theta)!r}", "--seed", str(seed), *source, "--replay", "hunt.html"]
     return shlex.join(words)
 
 

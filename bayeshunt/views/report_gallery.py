@@ -49,9 +49,9 @@ def build_shelf(
     try:
         mind = make_planner(planner, model, **settings.planner.get(planner, {}))
         for row in choose(hunts):
-            episode = hunt(settings, mind, arena=arena, theta=row["theta"], seed=int(row["seed"]))
+            episode = hunt(settings, mind, arena=arena, theta=float(row["theta"]), seed=int(row["seed"]))
             # Timed the second time: the first fills the planner's tables.
-            run_hunt(settings, _Timed(mind, shelf.decision_seconds), arena, row["theta"], int(row["seed"]))
+            run_hunt(settings, _Timed(mind, shelf.decision_seconds), arena, float(row["theta"]), int(row["seed"]))
             if (episode.caught, episode.time) != (bool(row["caught"]), float(row["time"])):
                 shelf.problem = (
                     f"The hunt of theta {row['theta']:g}, run {row['run']} ended otherwise than recorded "

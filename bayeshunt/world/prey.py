@@ -38,7 +38,7 @@ class Prey(Protocol):
 class Context:
     """What a behaviour may know when it is made.
 
-    settings: the prey's settings. arena: the arena's. hunter_radius, hunter_length [m].
+    settings: the prey's settings. arena: the arena's. hunter_diameter: metres.
     interval: seconds between two calls of ``act``. rng: the prey's own random generator.
     """
 

@@ -43,6 +43,12 @@ def test_more_runs_keep_the_runs_there_were(khepera_model):
     assert few.equals(more[more["run"] == 0].reset_index(drop=True))
 
 
+def test_one_name_will_do(khepera_model):
+    frame = evaluate("paper", runs=1, model=khepera_model, planners="reactive", arenas="open")
+    assert set(frame["planner"]) == {"reactive"}
+    assert len(frame) == 7
+
+
 def test_hunt_seeds_differ():
     seeds = {hunt_seed(s, t, r) for s in range(3) for t in range(7) for r in range(50)}
     assert len(seeds) == 3 * 7 * 50
