@@ -33,8 +33,9 @@ _RULES = """
 .bh *{box-sizing:border-box}
 .bh .bh-title{font-weight:600;font-size:15px;margin:0 0 2px}
 .bh .bh-sub{color:var(--bh-faint);margin:0 0 10px}
-.bh .bh-facts{display:flex;flex-wrap:wrap;gap:6px 22px;margin:0 0 10px;padding:0}
+.bh .bh-facts{display:flex;flex-wrap:wrap;gap:6px 22px;margin:0 0 10px;padding:0;width:auto}
 .bh .bh-facts div{display:flex;flex-direction:column}
+.bh .bh-facts dt,.bh .bh-facts dd{float:none;width:auto}
 .bh .bh-facts dt{color:var(--bh-faint);font-size:11.5px;font-weight:400}
 .bh .bh-facts dd{margin:0;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 .bh svg{display:block;max-width:100%;height:auto}

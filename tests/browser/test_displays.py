@@ -98,3 +98,13 @@ def test_a_phone_needs_no_sideways_scrolling(show, model, episodes) -> None:
         page, watch = show(thing, viewport={"width": 380, "height": 800})
         assert page.evaluate("document.documentElement.scrollWidth") <= 380
         only_itself(watch)
+
+
+def test_facts_keep_their_words_under_the_style_sheet_of_jupyter(show, model) -> None:
+    jupyter = "dl{width:100%} .jp-OutputArea-output dt{float:left;width:20%} .jp-OutputArea-output dd{width:80%}"
+    answer = bh.InverseModel(model).posterior(0.15, 0.4)
+    page, _ = show(answer, "class='jp-OutputArea-output'")
+    plain = page.locator(".bh-facts dt, .bh-facts dd").evaluate_all("all => all.map(e => e.clientWidth)")
+    page.add_style_tag(content=jupyter)
+    styled = page.locator(".bh-facts dt, .bh-facts dd").evaluate_all("all => all.map(e => e.clientWidth)")
+    assert styled == plain
