@@ -10,6 +10,7 @@ import pytest
 import typer
 
 from bayeshunt.cli.app import app
+from bayeshunt.views import terminal
 
 README = (Path(__file__).parent.parent / "README.md").read_text()
 
@@ -60,6 +61,14 @@ def test_version(bayeshunt):
 def test_settings_lists_every_key(bayeshunt):
     assert "prey.speed" in bayeshunt("settings")[0]
     assert any(row["key"] == "body.diameter" for row in json.loads(bayeshunt("settings", "robot", "--json")[0]))
+
+
+@pytest.mark.parametrize("name", ["experiment", "robot"])
+def test_keys_are_whole_in_a_narrow_terminal(bayeshunt, monkeypatch, name):
+    monkeypatch.setattr(terminal.out, "width", 80)
+    shown = {line.split()[0] for line in bayeshunt("settings", name)[0].splitlines() if line[:1].strip()}
+    keys = {row["key"] for row in json.loads(bayeshunt("settings", name, "--json")[0])}
+    assert keys == shown - {"key"}
 
 
 def commands():

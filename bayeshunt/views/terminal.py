@@ -135,7 +135,8 @@ def episode_table(episode: Any) -> None:
 def settings_table(rows: list[dict[str, Any]]) -> None:
     """Print every settings key with its range, default and meaning."""
     table = Table(box=None, pad_edge=False)
-    for name in ("key", "range", "default", "meaning"):
+    table.add_column("key", no_wrap=True)  # it is there to be copied
+    for name in ("range", "default", "meaning"):
         table.add_column(name, overflow="fold")
     for row in rows:
         table.add_row(*(Text(str(row[name])) for name in ("key", "range", "default", "meaning")))
