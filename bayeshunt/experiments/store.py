@@ -73,14 +73,26 @@ def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
     """
     path = Path(folder) / HUNTS_FILE
     if not path.is_file():
-        raise DataError(f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {folder}")
-    mend = f"make it again with: bayeshunt evaluate --out {folder}"
+        raise DataError(_missing(Path(folder)))
+    mend = "move it away and give the evaluate line again, or give another results folder"
     table, record = sealed.read(path, what="results", mend=mend)
     if record is None or record.get("kind") != _KIND:
         raise DataError(f"{path}: cannot be read as results (another kind of file); {mend}")
     frame = table.to_pandas()
     frame.attrs = record
     return frame
+
+
+def _missing(folder: Path) -> str:
+    """What to do about a folder without results: begin an evaluation, or let the one begun end."""
+    from bayeshunt.experiments.database import DATABASE_FILE
+    from bayeshunt.experiments.status import status
+
+    if not (folder / DATABASE_FILE).is_file():
+        return f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {folder}"
+    found = status(folder)
+    done = f"{folder}: {found.ended} of {found.planned} hunts are done"
+    return f"{done}, and it is running" if found.running else f"{done}; give the same evaluate line again to go on"
 
 
 def check_same_export(folder: Path, settings: ExperimentSettings, seed: int) -> None:

@@ -253,3 +253,10 @@ def test_the_same_hunt_twice_stays_one_row(small, tmp_path):
             runner.experiment_settings("paper", 2), ["reactive", "prediction"], ["open"], 4))]  # fmt: skip
         database.add_all((hunt, results[hunt.number]) for hunt in hunts)
         assert database.results() == (results, [])
+
+
+def test_reading_half_an_evaluation_says_how_far_it_is(small, tmp_path):
+    with pytest.raises(StopError):
+        small(out=tmp_path, progress=stop_after(5))
+    with pytest.raises(BayesHuntError, match=r"\d+ of 28 hunts are done; give the same evaluate line again"):
+        load_results(tmp_path)
