@@ -83,8 +83,10 @@ def bars(shares: dict[str, float], lit: str | None = None) -> Html:
     top = max([*shares.values(), 1e-300])
     rows = []
     for name, share in shares.items():
-        bar = tag("td", tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%"), class_="bh-track")
-        rows.append(row(name, [bar, f"{share:.4f}"], lit=name == lit))
+        said = f"{share:.4f}"
+        # the shortest bar is still a stub, which would contradict a printed zero
+        bar = tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%") if float(said) else ""
+        rows.append(row(name, [tag("td", bar, class_="bh-track"), said], lit=name == lit))
     return table(["Gait", "", "probability"], rows)
 
 

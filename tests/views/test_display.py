@@ -11,7 +11,7 @@ from html_checks import NASTY, Reader
 
 import bayeshunt as bh
 from bayeshunt import displays
-from bayeshunt.views import display_html, display_tables, display_text, svg_network, theme
+from bayeshunt.views import display_html, display_models, display_tables, display_text, svg_network, theme
 
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
@@ -234,7 +234,15 @@ def test_snapping_is_said(shown) -> None:
 def test_a_bar_is_as_long_as_its_probability(shown) -> None:
     page = check(shown.answer._repr_html_())
     widths = [float(e["attributes"]["style"][6:-1]) for e in page.find("span", "bh-bar")]
-    np.testing.assert_allclose(widths, 100 * shown.answer.values / shown.answer.values.max(), atol=0.06)
+    values = shown.answer.values
+    drawn = np.array([float(f"{p:.4f}") > 0 for p in values])
+    np.testing.assert_allclose(widths, 100 * values[drawn] / values.max(), atol=0.06)
+
+
+def test_what_is_printed_as_zero_has_no_bar() -> None:
+    page = Reader(display_models.bars({"much": 0.99996, "little": 0.00004}))
+    assert "0.0000" in page.text
+    assert len(page.find("span", "bh-bar")) == 1
 
 
 def test_explanation_is_the_answers_own(shown) -> None:
