@@ -19,6 +19,7 @@ import pandas as pd
 from bayeshunt import sealed
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError
+from bayeshunt.files import check_source
 from bayeshunt.gaits import GaitRepertoire
 
 #: The columns every babbling table has.
@@ -27,6 +28,8 @@ COLUMNS = ("gait", "distance", "angle", "heading")
 PROVENANCE_KEY = sealed.KEY.decode()
 
 _WHAT = "a babbling table"
+_MAKER = "bayeshunt babble"
+_MEND = f"give a table made by: {_MAKER}"
 
 _PATH_COLUMN = re.compile(r"path_(\d+)_(forward|right|heading)$")
 
@@ -109,7 +112,8 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
     Raises DataError if the file is missing, is not Parquet, is damaged or is not a babbling table.
     """
     name = os.fspath(path)
-    table, record = sealed.read(path, what=_WHAT, mend=_mend(name))
+    check_source(path, _MAKER, DataError)
+    table, record = sealed.read(path, what=_WHAT, mend=_MEND)
     frame = table.to_pandas()
     validate(frame, source=name)
     frame.attrs[PROVENANCE_KEY] = record or {}
@@ -125,7 +129,8 @@ class Batches:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open the file; raises DataError if it is missing, is not Parquet or is damaged."""
         self._name = os.fspath(path)
-        self._reader = sealed.Reader(path, what=_WHAT, mend=_mend(self._name))
+        check_source(path, _MAKER, DataError)
+        self._reader = sealed.Reader(path, what=_WHAT, mend=_MEND)
         self.rows: int = self._reader.rows
         self.provenance: dict[str, Any] = self._reader.record or {}
 
@@ -144,10 +149,6 @@ class Batches:
             yield frame
         if not first:
             raise DataError(f"{self._name}: the table has no rows; babble at least one step")
-
-
-def _mend(name: str) -> str:
-    return f"make one with: bayeshunt babble --out {name}"
 
 
 def _check_numbers(values: pd.Series, column: str, source: str, first_row: int) -> None:

@@ -6,7 +6,6 @@ import json
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ import pandas as pd
 
 from bayeshunt import displays
 from bayeshunt.errors import DataError
-from bayeshunt.files import replace_atomically
+from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.geometry import Polar
 from bayeshunt.tables import entropy
 
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
 _KEY = b"bayeshunt"
 _KIND = "episode"
+_MAKER = "bayeshunt hunt"
 _TRAIL = ("time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta")
 
 
@@ -198,8 +198,7 @@ class Episode:
         import pyarrow.parquet as pq
 
         name = os.fspath(path)
-        if not Path(path).is_file():
-            raise DataError(f"{name}: no such file; make one with: bayeshunt hunt --out {name}")
+        check_source(path, _MAKER, DataError)
         try:
             table = pq.read_table(path, partitioning=None)
             record = json.loads((table.schema.metadata or {})[_KEY])
@@ -207,8 +206,5 @@ class Episode:
             if record.get("kind") != _KIND:
                 raise KeyError("kind")
             return cls(record["caught"], record["time"], table.to_pandas(), trail, record)
-        except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
-            reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-            raise DataError(
-                f"{name}: not an episode ({reason}); expected a file made by bayeshunt hunt --out"
-            ) from None
+        except (pa.ArrowException, OSError, ValueError, KeyError, TypeError):  # they speak of Parquet and Python
+            raise DataError(f"{name}: not an episode, or damaged; give a file made by: {_MAKER} --out") from None

@@ -1,24 +1,26 @@
-"""Writing files so that nothing is ever half-written."""
+"""Files: none is ever half-written, and none is asked for that is not there."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from bayeshunt.errors import BayesHuntError
+from bayeshunt.errors import BayesHuntError, InputError
 
 
 @contextlib.contextmanager
 def replace_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path beside ``path``; on success it replaces ``path`` in one step.
 
-    If the block raises, ``path`` is left as it was and the temporary file is removed.
-    Raises BayesHuntError in one line if the folder is missing, read-only or full.
+    If the block raises, ``path`` is left as it was and the temporary file is removed. A symbolic link
+    stays one: the file that it leads to is replaced.
+    Raises BayesHuntError in one line if the folder is missing, read-only or full, or as :func:`check_target`.
     """
-    target = Path(path)
+    target = check_target(path)
     try:
         handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".tmp", dir=target.parent)
     except OSError as error:
@@ -35,6 +37,33 @@ def replace_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise BayesHuntError(f"{target}: cannot be written ({error.strerror or error})") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """Return the file to write for ``path``, symbolic links followed.
+
+    Raises InputError unless it is a regular file or not there yet: a device, a pipe or a folder would be lost.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise InputError(f"{path}: is a folder; expected a file name")
+    if target.is_symlink() or (target.exists() and not target.is_file()):
+        raise InputError(f"{path}: is not a regular file and is left as it is; choose another name")
+    return target
+
+
+def check_source(path: str | os.PathLike[str], command: str, error: type[InputError]) -> None:
+    """Raise ``error`` in one line unless ``path`` is a file that can be read.
+
+    command: the one that makes such files with ``--out``; it is suggested with this name only if
+    there is nothing that it would overwrite.
+    """
+    name = os.fspath(path)
+    if not os.path.lexists(path):
+        raise error(f"{name}: no such file; make one with: {command} --out {shlex.quote(name)}")
+    if not Path(path).is_file():
+        kind = "is a folder" if Path(path).is_dir() else "is not a regular file"
+        raise error(f"{name}: {kind}; give a file made by: {command}")
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -102,7 +102,15 @@ CASES = {
         "data.parquet: cannot be read as a babbling table",
     ),
     "no such data": (None, ("fit", "nowhere.parquet", "--out", "new.json"), "nowhere.parquet: no such file"),
-    "folder as data": (None, ("fit", ".", "--out", "new.json"), "no such file"),
+    "folder as data": (None, ("fit", ".", "--out", "new.json"), ".: is a folder; give a file made by"),
+    "something else as data": (
+        write("notes.md", "notes"),
+        ("fit", "notes.md", "--out", "new.json"),
+        "give a table made by: bayeshunt babble\n",
+    ),
+    "CSV name for a table": (None, ("babble", "--out", "new.csv", "--steps", "20"), "new.csv: tables are Parquet"),
+    "table as an episode": (None, ("replay", "data.parquet", "--out", "a.html"), "not an episode, or damaged; give"),
+    "table as a model": (None, ("query", "data.parquet", *QUERY[2:]), "not a text file); give a file made by"),
     "negative prior": (None, (*FIT, "--prior", "-1"), "prior"),
     "prior not a number": (None, (*FIT, "--prior", "nan"), "prior"),
     "no folder for the model": (None, ("fit", "data.parquet", "--out", "no/new.json"), "the folder no does not exist"),
@@ -119,7 +127,7 @@ CASES = {
     "no such model": (None, ("query", "gone.json", "--distance", "0.1", "--angle", "0"), "gone.json"),
     "negative target": (None, (*QUERY[:3], "-1", "--angle", "0"), "target (-1.0, 0.0): expected"),
     "target not a number": (None, (*QUERY[:3], "nan", "--angle", "0"), "target (nan, 0.0): expected"),
-    "unknown target, no snapping": (None, (*QUERY[:3], "9", "--angle", "0", "--no-snap"), "P("),
+    "unknown target, no snapping": (None, (*QUERY[:3], "9", "--angle", "0", "--no-snap"), "allow snapping"),
     "word for a number": (None, (*QUERY[:3], "far", "--angle", "0"), "'--distance'"),
     "missing option": (None, QUERY[:4], "--angle"),
     "unknown option": (None, (*QUERY, "--speed", "3"), "--speed"),
@@ -187,3 +195,36 @@ def test_one_line_status_2_and_nothing_written(folder, monkeypatch, capfd, name)
     assert err.count("\n") == 1
     assert says in err
     assert {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()} == before
+
+
+@pytest.mark.parametrize(
+    ("planner", "setting"),
+    [("memory_place", "planner.memory_place.tables=model.json"), ("reference", "planner.reference.table=model.json")],
+)
+def test_a_model_is_no_table_of_theirs_and_no_python_is_spoken(folder, monkeypatch, capfd, planner, setting):
+    assert run(monkeypatch, *EVALUATE, "--planner", planner, "--set", setting) == 2
+    err = capfd.readouterr().err
+    assert "model.json: not a " in err
+    assert "or damaged; give a file made by: bayeshunt" in err
+    assert "pickle" not in err
+    assert "(" not in err
+
+
+@pytest.mark.parametrize("command", [FIT, QUERY, ("replay", "data.parquet", "--out", "a.html")])
+def test_no_suggested_command_would_overwrite_a_file(folder, monkeypatch, capfd, command):
+    (folder / command[1]).write_text("somebody's own words")
+    assert run(monkeypatch, *command) == 2
+    assert f"--out {command[1]}" not in capfd.readouterr().err
+    (folder / command[1]).unlink()
+    assert run(monkeypatch, *command) == 2
+    assert f"--out {command[1]}" in capfd.readouterr().err
+
+
+def test_damaged_results_are_not_to_be_written_over(folder, monkeypatch, capfd):
+    (folder / "results").mkdir()
+    (folder / "results" / "hunts.parquet").write_text("no table")
+    assert run(monkeypatch, "report", "results", "--out", "a.html") == 2
+    err = capfd.readouterr().err
+    assert "hunts.parquet: cannot be read as results" in err
+    assert "move it away" in err
+    assert "--out" not in err

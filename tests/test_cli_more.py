@@ -80,3 +80,12 @@ def test_one_line_and_status_2(bayeshunt, arguments, says):
     assert err.startswith("bayeshunt: ")
     assert err.count("\n") == 1
     assert says in err
+
+
+def test_next_lines_can_be_pasted_whatever_the_name(bayeshunt):
+    out, _ = bayeshunt("babble", "--out", "my table.parquet", "--steps", "20", "--quiet")
+    assert "next: bayeshunt fit 'my table.parquet' --out model.json" in out
+    out, _ = bayeshunt("remember", "--out", "my memory.json", "--runs", "1", "--arena", "open", *SMALL[:4])
+    assert "--set 'planner.memory_place.tables=my memory.json'" in out
+    out, _ = bayeshunt("explore", "--out", "my room.json", "--steps", "300", *SMALL[:4])
+    assert "--set 'planner.intercept_walls.room=my room.json'" in out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +12,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
+from bayeshunt.errors import InputError
 
 
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
@@ -34,10 +36,13 @@ def babble(
     from bayeshunt.views import terminal
 
     check_parent(out)
+    if out.suffix.lower() == ".csv":
+        raise InputError(f"{out}: tables are Parquet, not CSV; name it {out.with_suffix('.parquet')}")
     with terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
         gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
     facts = {"out": str(out), "rows": steps, "gaits": gaits, "seed": seed}
-    tell(facts, as_json, f"{out}: {steps} rows of {len(gaits)} gaits; next: bayeshunt fit {out} --out model.json")
+    following = f"bayeshunt fit {shlex.quote(str(out))} --out model.json"
+    tell(facts, as_json, f"{out}: {steps} rows of {len(gaits)} gaits; next: {following}")
 
 
 @app.command(short_help="Fit the network Gait -> Distance, Angle, Heading.")

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.errors import InputError
+from bayeshunt.files import check_target
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of text.")]
 Seed = Annotated[int, typer.Option(help="One seed, one result, bit for bit.")]
@@ -35,8 +36,7 @@ def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
 
 def check_parent(path: Path) -> None:
     """Fail before the work rather than after it."""
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; expected a file name")
+    check_target(path)
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -55,7 +56,7 @@ def reference(
     table.save(out)
     facts = {"out": str(out), "states": int(table.values.size), "digest": table.facts["digest"]}
     tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: bayeshunt evaluate --planner reference "
-         f"--set planner.reference.table={out}")  # fmt: skip
+         f"--set {shlex.quote(f'planner.reference.table={out}')}")  # fmt: skip
 
 
 @app.command(short_help="Watch prey beforehand, for planners that remember.")
@@ -91,7 +92,7 @@ def remember(
     memory.save(out)
     facts = {"out": str(out), "transitions": memory.observations, **memory.provenance}
     tell(facts, as_json, f"{out}: {memory.observations} transitions; next: bayeshunt evaluate --planner memory_place "
-         f"--set planner.memory_place.tables={out}")  # fmt: skip
+         f"--set {shlex.quote(f'planner.memory_place.tables={out}')}")  # fmt: skip
 
 
 @app.command(short_help="Learn an arena's walls, for planner intercept_walls.")
@@ -120,5 +121,5 @@ def explore(
     walls = room.walls()
     facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
     tell(facts, as_json, f"{out}: {len(walls)} walls\n{walls.round(3).to_string()}\n"
-         f"next: bayeshunt evaluate --planner intercept_walls --arena {arena} "
-         f"--set planner.intercept_walls.room={out}")  # fmt: skip
+         f"next: bayeshunt evaluate --planner intercept_walls --arena {shlex.quote(arena)} "
+         f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip

@@ -20,7 +20,7 @@ import pandas as pd
 
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import ModelFileError
-from bayeshunt.files import write_text
+from bayeshunt.files import check_source, write_text
 from bayeshunt.geometry import Polar, Pose, wrap
 
 FORMAT = 1
@@ -31,6 +31,7 @@ Cell = tuple[int, int, int]
 #: What a table is conditioned on: () for all, cell and direction for place, coarse transition for previous.
 Context = tuple[int, ...]
 
+_MAKER = "bayeshunt remember"
 _DIRECTIONS = 8  # of a place, and of the turn in a previous transition
 _DISTANCE_BINS = 100  # of the grid that smoothing spreads over
 
@@ -160,15 +161,16 @@ class PreyMemory:
     def load(cls, path: str | os.PathLike[str]) -> PreyMemory:
         """Read a memory; ModelFileError in one line if the file is missing, damaged or something else."""
         name = os.fspath(path)
-        if not Path(path).is_file():
-            raise ModelFileError(f"{name}: no such file; make one with: bayeshunt remember --out {name}")
+        check_source(path, _MAKER, ModelFileError)
         try:
             outer = json.loads(Path(path).read_text(encoding="utf-8"))
             body, checksum = outer["memory"], outer["checksum"]
             intact = checksum == hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
             version = body["format"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise ModelFileError(f"{name}: not a prey memory ({str(error)[:100]}); make it again") from None
+        except OSError as error:
+            raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
+        except (ValueError, KeyError, TypeError):  # what they say is about Python, not about the file
+            raise ModelFileError(f"{name}: not a prey memory, or damaged; give a file made by: {_MAKER}") from None
         if version != FORMAT:
             raise ModelFileError(f"{name}: format {version}, but this version reads {FORMAT}; make it again")
         if not intact:

@@ -17,7 +17,7 @@ import numpy as np
 
 from bayeshunt.axes import EFFECTS, Axis, EffectAxes
 from bayeshunt.errors import BayesHuntError, ModelFileError
-from bayeshunt.files import replace_atomically
+from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models.counts import MAX_DISTANCE_BINS, JointCounts
 from bayeshunt.models.forward import ForwardModel
@@ -25,10 +25,14 @@ from bayeshunt.models.structures import NAIVE, Structure
 
 #: What the file says it is.
 KIND = "bayeshunt forward model"
+#: The command that makes one.
+MAKER = "bayeshunt fit babbling.parquet"
 #: Version of the layout of ``content``.
 FORMAT = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
 READABLE = (1, 2)
+
+_MEND = "give a file made by: bayeshunt fit"
 
 
 def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
@@ -50,12 +54,13 @@ def load(path: str | os.PathLike[str]) -> ForwardModel:
     format, edited (checksum), or malformed.
     """
     name = os.fspath(path)
-    if not Path(path).is_file():
-        raise ModelFileError(f"{name}: no such file; make one with: bayeshunt fit --out {name}")
+    check_source(path, MAKER, ModelFileError)
     try:
         text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ModelFileError(f"{name}: not a readable model file ({type(error).__name__})") from None
+    except OSError as error:
+        raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise ModelFileError(f"{name}: not a {KIND} (not a text file); {_MEND}") from None
     return loads(text, name)
 
 
@@ -76,7 +81,7 @@ def loads(text: str, name: str = "model") -> ForwardModel:
         reason = str(error).splitlines()[0]
         raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason})") from None
     if not isinstance(record, dict) or record.get("kind") != KIND:
-        raise ModelFileError(f"{name}: not a {KIND}; make one with: bayeshunt fit")
+        raise ModelFileError(f"{name}: not a {KIND}; {_MEND}")
     version = record.get("format")
     if isinstance(version, int) and version > FORMAT:
         raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")

@@ -8,20 +8,20 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.errors import InputError, ModelFileError
-from bayeshunt.files import replace_atomically
+from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Plan, Situation, check_request
 from bayeshunt.planners.relative import Chase, Grid, expected_times
 
 FORMAT = 1
+_MAKER = "bayeshunt reference"
 _ARRAYS = ("values", "distances", "hunter", "prey")
 
 
@@ -63,17 +63,15 @@ class ReferenceTable:
     def load(cls, path: str | os.PathLike[str]) -> ReferenceTable:
         """Read a table; ModelFileError in one line if the file is missing, damaged or something else."""
         name = os.fspath(path)
-        if not Path(path).is_file():
-            raise ModelFileError(f"{name}: no such file; make one with: bayeshunt reference --out {name}")
+        check_source(path, _MAKER, ModelFileError)
         try:
             with np.load(path, allow_pickle=False) as stored:
                 text, checksum = str(stored["head"]), str(stored["checksum"])
                 arrays = {key: stored[key] for key in _ARRAYS}
             head = json.loads(text)
             version = head["format"]
-        except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
-            reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-            raise ModelFileError(f"{name}: not a reference table ({reason}); make it again") from None
+        except Exception:  # numpy and zipfile raise many kinds for a damaged file, and advise programmers
+            raise ModelFileError(f"{name}: not a reference table, or damaged; give a file made by: {_MAKER}") from None
         if version != FORMAT:
             raise ModelFileError(f"{name}: format {version}, but this version reads {FORMAT}; make it again")
         if checksum != _checksum(text, arrays):

@@ -80,7 +80,7 @@ def test_probabilities_can_be_read_from_the_file(model: ForwardModel, path: Path
 
 def test_missing_file(tmp_path: Path) -> None:
     assert "no such file" in refused(tmp_path / "none.json")
-    assert "no such file" in refused(tmp_path)
+    assert "is a folder" in refused(tmp_path)
 
 
 @pytest.mark.parametrize("keep", [0, 1, 100, -5])
