@@ -49,8 +49,10 @@ def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 
     The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a) (Gelman et al., Bayesian Data
     Analysis, 3rd ed., section 3.4). A maximum-likelihood table (prior 0) has no posterior of its own:
     each cell then gets the Jeffreys interval against all other cells together, Beta(N + 1/2,
-    sum N - N + 1/2) (Brown, Cai and DasGupta, 2001). A half in every one of K cells would add K / 2
-    rows that nobody saw, and push the interval off the very probability that it belongs to.
+    sum N - N + 1/2), with the lower bound 0 where nothing was counted and the upper 1 where everything
+    was, so that it holds the cell's own share (Brown, Cai and DasGupta, Interval estimation for a binomial
+    proportion, Statistical Science 16, 2001). A half in every one of K cells would add K / 2 rows that
+    nobody saw, and push the interval off the very probability that it belongs to.
     """
     from scipy.stats import beta
 
@@ -63,4 +65,8 @@ def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 
     # A table of one state leaves nothing to doubt, and Beta(a, 0) is no distribution.
     tail, alone = (1.0 - level) / 2.0, rest <= 0
     rest = np.where(alone, 1.0, rest)
-    return np.where(alone, 1.0, beta.ppf(tail, own, rest)), np.where(alone, 1.0, beta.ppf(1.0 - tail, own, rest))
+    low = np.where(alone, 1.0, beta.ppf(tail, own, rest))
+    high = np.where(alone, 1.0, beta.ppf(1.0 - tail, own, rest))
+    if prior > 0:
+        return low, high
+    return np.where(observed == 0, 0.0, low), np.where(others == 0, 1.0, high)

@@ -57,6 +57,18 @@ def test_credible_interval_without_a_prior_holds_the_share_in_tall_tables():
     assert low[3, 0] < 0.645 < high[3, 0]
     np.testing.assert_allclose([low[3, 0], high[3, 0]], [0.5769, 0.7090], atol=5e-4)
     one = credible_interval(np.array([[1.0]]))
-    assert 0 < one[0][0, 0] < one[1][0, 0] < 1, "one row of one kind is no certainty"
+    assert 0 < one[0][0, 0] < one[1][0, 0] == 1, "one row of one kind is no certainty"
     certain = credible_interval(np.array([[7.0]]), 0.5)
     assert (certain[0][0, 0], certain[1][0, 0]) == (1.0, 1.0), "a table of one state has nothing to doubt"
+
+
+def test_credible_interval_without_a_prior_holds_shares_of_none_and_all():
+    low, high = credible_interval(np.array([[0, 5, 0], [20, 15, 0]]))
+    assert low[0, 0] == 0.0
+    assert high[1, 0] == 1.0
+    # Beta(20.5, 0.5) at 2.5 %, and its mirror image: what was not seen may still be
+    np.testing.assert_allclose([low[1, 0], high[0, 0]], [1 - 0.1166, 0.1166], atol=5e-4)
+    assert 0 < low[0, 1] < 0.25 < high[0, 1] < 1
+    np.testing.assert_array_equal([low[:, 2], high[:, 2]], [[0, 0], [1, 1]])  # nothing counted, nothing known
+    low, _ = credible_interval(np.array([[0], [20]]), 1.0)
+    assert low[0, 0] > 0, "with a prior the probability is above 0 and so is its interval"

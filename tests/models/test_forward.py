@@ -250,6 +250,7 @@ def test_maximum_likelihood_is_the_maximum(frame: pd.DataFrame, model: ForwardMo
 def test_credible_intervals_hold_the_probability(model: ForwardModel) -> None:
     low, high = model.credible_interval("Angle")
     p, n = model.probabilities("Angle"), model.counts("Angle").to_numpy()
+    assert np.all((low.to_numpy() <= p) & (p <= high.to_numpy()))
     assert np.all(low.to_numpy()[n > 0] < p[n > 0])
     assert np.all(high.to_numpy()[n < n.sum(axis=0)] > p[n < n.sum(axis=0)])
     narrow = model.credible_interval("Angle", level=0.5)
