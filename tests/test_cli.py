@@ -63,6 +63,10 @@ def test_settings_lists_every_key(bayeshunt):
     assert any(row["key"] == "body.diameter" for row in json.loads(bayeshunt("settings", "robot", "--json")[0]))
 
 
+def test_no_arguments_show_the_help(bayeshunt):
+    assert bayeshunt() == bayeshunt("--help")
+
+
 @pytest.mark.parametrize("name", ["experiment", "robot"])
 def test_keys_are_whole_in_a_narrow_terminal(bayeshunt, monkeypatch, name):
     monkeypatch.setattr(terminal.out, "width", 80)

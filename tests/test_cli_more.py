@@ -1,6 +1,7 @@
 """Commands that go beyond the paper, as a user types them: sweep, tradeoff, reference, remember, --set."""
 
 import json
+import re
 
 import pytest
 
@@ -32,6 +33,8 @@ def test_tradeoff(bayeshunt, tmp_path):
     assert (tmp_path / "t" / "tradeoff.png").stat().st_size > 1000
     out, _ = bayeshunt("tradeoff", "--vary", "transitions=1", "--runs", "1", *SMALL)
     assert "transitions 1" in out
+    assert re.search(r"frugal .*\b[01]/1 +\d+\.\d to \d+\.\d", out)
+    assert "95 %: Wilson" in out
 
 
 def test_reference_and_memory_to_evaluation(bayeshunt):
@@ -55,6 +58,46 @@ def test_reference_and_memory_to_evaluation(bayeshunt):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
+        (["sweep", "--out", "s"], "stopped; the hunts that ended are kept in s; give the same line again to go on"),
+        (["sweep"], "stopped; nothing is kept without --out"),
+        (["evaluate"], "stopped; nothing is kept without --out"),
+        (["tradeoff"], "stopped"),
+        (["hunt"], "stopped"),
+        (["figures", "--out", "f"], "stopped"),
+    ],
+)
+def test_ctrl_c_says_so(bayeshunt, monkeypatch, arguments, says):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bayeshunt.experiments.protocol.learn_model", interrupted)
+    for module in ("runner", "sweep", "tradeoff"):
+        monkeypatch.setattr(f"bayeshunt.experiments.{module}.evaluate", interrupted)
+    monkeypatch.setattr("bayeshunt.experiments.tradeoff.learn_model", interrupted)
+    out, err = bayeshunt(*arguments, status=130)
+    assert (out, err.strip()) == ("", f"bayeshunt: {says}")
+
+
+def test_one_hunt_with_changed_settings(bayeshunt):
+    small = SMALL[2:4]
+    out, _ = bayeshunt("hunt", "--theta", "3", "--set", "protocol.time_limit=3.328", *small, "--json")
+    assert json.loads(out)["decisions"] == 1
+    out, _ = bayeshunt("hunt", "--theta", "3", *small, "--json")
+    assert json.loads(out)["decisions"] > 1
+
+
+def test_the_table_of_a_hunt_explains_its_columns(bayeshunt):
+    out, _ = bayeshunt("hunt", "--planner", "prediction", *SMALL[2:4])
+    assert "aims at: distance of the place it makes for" in " ".join(out.split())
+
+
+def test_sweep_says_what_it_varies_by_default(bayeshunt):
+    assert "default: speed_ratio" in " ".join(bayeshunt("sweep", "--help")[0].split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
         (["sweep", "--axis", "speed"], "--axis speed: expected one of speed_ratio"),
         (["sweep", "--axis", "noise=loud"], "noise: expected a number"),
         (["sweep", "--grid", "none.toml"], "none.toml: cannot be read"),
@@ -70,6 +113,8 @@ def test_reference_and_memory_to_evaluation(bayeshunt):
         (["evaluate", "--set", "prey.speed=fast"], "prey.speed"),
         (["evaluate", "--planner", "memory"], "memory: needs the setting tables"),
         (["evaluate", "--planner", "reference"], "reference: needs the setting table"),
+        (["hunt", "--set", "prey.sped=1"], "did you mean 'speed'"),
+        (["figures", "--out", "f", "--results", "r", "--set", "prey.speed=1"], "--results brings its own settings"),
         (["hunt", "--planner", "kinematic_limit"], "can be evaluated, not hunted with"),
     ],
 )

@@ -17,6 +17,7 @@ from bayeshunt.cli import sweeps  # noqa: F401  isort: skip
 from bayeshunt.cli import prepared  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
+from bayeshunt.cli.stopping import StoppedError
 from bayeshunt.errors import BayesHuntError, InputError
 
 
@@ -24,11 +25,13 @@ def main() -> None:
     """Run the command line; exit 2 for wrong input, 1 for failed work, each with one line on stderr."""
     command = typer.main.get_command(app)
     try:
-        status = command.main(prog_name="bayeshunt", standalone_mode=False)
+        status = command.main(sys.argv[1:] or ["--help"], prog_name="bayeshunt", standalone_mode=False)
     except InputError as error:
         _fail(error, 2)
     except BayesHuntError as error:
         _fail(error, 1)
+    except StoppedError as stopped:
+        _fail(stopped, 130)
     except (KeyboardInterrupt, typer.Abort):
         _fail("stopped", 130)
     except BrokenPipeError:
@@ -38,6 +41,8 @@ def main() -> None:
         if not hasattr(error, "format_message"):  # not a usage error: a defect, which deserves its traceback
             raise
         _fail(error.format_message().splitlines()[0] + " (see --help)", 2)
+    if status == 130:  # what typer makes of Ctrl-C
+        _fail("stopped", 130)
     sys.exit(status if isinstance(status, int) else 0)
 
 

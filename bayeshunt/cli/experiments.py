@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import signal
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -27,6 +24,7 @@ from bayeshunt.cli.options import (
     check_names,
     parse_overrides,
 )
+from bayeshunt.cli.stopping import stoppable
 
 
 @app.command(short_help="Run the paper's experiment: its table beside ours.")
@@ -67,7 +65,7 @@ def evaluate(
     runner.check_jobs(jobs)
     forward = None if model is None else ForwardModel.load(model)
     total = len(settings.protocol.thetas) * settings.protocol.runs * len(planners) * len(arena or settings.arenas)
-    with _stoppable(out), terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
+    with stoppable(lambda: _kept(out)), terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
         results = runner.evaluate(
             settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, out=out,
             scheduler=scheduler, progress=advance, say=terminal.say,
@@ -101,24 +99,11 @@ def status(
     terminal.status_table(found)
 
 
-@contextlib.contextmanager
-def _stoppable(out: Path | None) -> Iterator[None]:
-    """End with one line on Ctrl-C or SIGTERM that says what is kept and how to go on; exit status 130."""
+def _kept(out: Path | None) -> str:
+    """What an evaluation that was stopped leaves behind."""
     from bayeshunt.experiments.status import status as read
-    from bayeshunt.views import terminal
 
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    except KeyboardInterrupt:
-        if out is None:
-            terminal.say("bayeshunt: stopped; nothing is kept without --out")
-        else:
-            found = read(out)
-            terminal.say(
-                f"bayeshunt: stopped; {found.ended} of {found.planned} hunts are kept in {out}; "
-                "give the same line again to go on"
-            )
-        raise typer.Exit(130) from None
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    if out is None:
+        return "nothing is kept without --out"
+    found = read(out)
+    return f"{found.ended} of {found.planned} hunts are kept in {out}; give the same line again to go on"

@@ -8,7 +8,19 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Config, Json, Model, Preset, Quiet, Seed, load_or_learn, tell
+from bayeshunt.cli.options import (
+    Config,
+    Json,
+    Model,
+    Overrides,
+    Preset,
+    Quiet,
+    Seed,
+    load_or_learn,
+    parse_overrides,
+    tell,
+)
+from bayeshunt.errors import InputError
 
 
 @app.command(short_help="Draw the figures of the paper, as PNG and SVG.")
@@ -21,6 +33,7 @@ def figures(
     ] = None,
     preset: Preset = "paper",
     config: Config = None,
+    overrides: Overrides = None,
     runs: Annotated[int | None, typer.Option(help="Runs per bearing when hunts are run now.")] = None,
     seed: Seed = 0,
     jobs: Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")] = -1,
@@ -32,11 +45,18 @@ def figures(
     Example:  bayeshunt figures --out figures --results results
     """
     from bayeshunt.experiments import runner, store
+    from bayeshunt.settings import load_experiment
     from bayeshunt.views import figures as drawing
 
     runner.check_jobs(jobs)
+    if results is not None and overrides:
+        raise InputError("--set changes hunts that are run now; --results brings its own settings: leave one out")
     hunts = None if results is None else store.load_results(results)
-    settings = runner.experiment_settings(config or preset, runs) if hunts is None else _settings_of(hunts, results)
+    settings = (
+        runner.experiment_settings(load_experiment(config or preset, parse_overrides(overrides)), runs)
+        if hunts is None
+        else _settings_of(hunts, results)
+    )
     folder = store.check_output_folder(out)
     forward = load_or_learn(model, settings, seed)
     if hunts is None:

@@ -13,11 +13,13 @@ from bayeshunt.cli.options import (
     Config,
     Json,
     Model,
+    Overrides,
     Preset,
     Seed,
     check_names,
     check_parent,
     load_or_learn,
+    parse_overrides,
 )
 
 
@@ -30,6 +32,7 @@ def hunt(
     model: Model = None,
     preset: Preset = "paper",
     config: Config = None,
+    overrides: Overrides = None,
     babbling_seed: Annotated[int, typer.Option(help="Seed of the babbling where no model is given.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the episode as Parquet.")] = None,
     replay: Annotated[Path | None, typer.Option(help="Write a page (HTML) that plays the hunt.")] = None,
@@ -46,7 +49,7 @@ def hunt(
     for path in (out, replay):
         if path is not None:
             check_parent(path)
-    settings = load_experiment(config or preset)
+    settings = load_experiment(config or preset, parse_overrides(overrides))
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed)
     mind = make_planner(planner, forward, **settings.planner.get(planner, {}))

@@ -24,6 +24,7 @@ from bayeshunt.cli.options import (
     parse_overrides,
     toml_value,
 )
+from bayeshunt.cli.stopping import stoppable
 from bayeshunt.errors import ConfigError, InputError
 
 
@@ -31,8 +32,9 @@ from bayeshunt.errors import ConfigError, InputError
 def sweep(
     axis: Annotated[
         list[str] | None,
-        typer.Option(help="What to vary: speed_ratio, gait_duration, noise, babbling_steps, gaits, max_transitions "
-                     "or a key such as prey.speed; NAME, or NAME=VALUE,VALUE,... May be given several times."),
+        typer.Option(help="What to vary (default: speed_ratio): speed_ratio, gait_duration, noise, babbling_steps, "
+                     "gaits, max_transitions or a key such as prey.speed; NAME, or NAME=VALUE,VALUE,... "
+                     "May be given several times."),
     ] = None,
     grid: Annotated[Path | None, typer.Option(help="Your own grid: a TOML file with NAME = [VALUES].")] = None,
     preset: Preset = "paper",
@@ -70,7 +72,7 @@ def sweep(
     total = (
         sum(len(p.protocol.thetas) * p.protocol.runs for p in points) * len(planners) * len(arena or settings.arenas)
     )
-    with terminal.progress_bar("sweeping", total, quiet=quiet or as_json) as advance:
+    with stoppable(lambda: _kept(out)), terminal.progress_bar("sweeping", total, quiet=quiet or as_json) as advance:
         frame = run(
             settings, chosen, runs=runs, seed=seed, jobs=jobs, planners=planners, arenas=arena, out=out,
             progress=advance,
@@ -82,6 +84,13 @@ def sweep(
     terminal.sweep_table(frame)
     for path in files:
         terminal.say(f"{path}")
+
+
+def _kept(out: Path | None) -> str:
+    """What a sweep that was stopped leaves behind."""
+    if out is None:
+        return "nothing is kept without --out"
+    return f"the hunts that ended are kept in {out}; give the same line again to go on"
 
 
 @app.command(short_help="Weigh catch time against distance and changes of gait.")

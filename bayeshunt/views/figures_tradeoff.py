@@ -46,8 +46,10 @@ def _draw(axes: Axes, frame: pd.DataFrame, column: str) -> None:
         name = shorten(str(planner).replace("_", " "))
         label = f"{name}, price of {weight}" if weight else name
         axes.plot(rows[column], rows["mean_time_s"], label=label, markersize=5, linewidth=1.0, zorder=3, **look)
-        for x, y, value in zip(rows[column], rows["mean_time_s"], rows["value"], strict=True) if weight else ():
+        points = list(zip(rows[column], rows["mean_time_s"], rows["value"], strict=True)) if weight else []
+        ends = [points[0], points[-1]] if len(points) > 1 else points
+        for x, y, value in [*ends, *points[1:-1]]:  # the ends first: they say which way the weight grows
             place = (x / scale[0], y / scale[1])
-            if all(abs(place[0] - u) > 0.07 or abs(place[1] - v) > 0.05 for u, v in taken):
+            if (x, y, value) in ends or all(abs(place[0] - u) > 0.07 or abs(place[1] - v) > 0.05 for u, v in taken):
                 taken.append(place)
                 axes.annotate(f"{value:g}", (x, y), textcoords="offset points", xytext=(6, 5), fontsize=7, color=FAINT)

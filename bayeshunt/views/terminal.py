@@ -128,6 +128,10 @@ def episode_table(episode: Any) -> None:
     out.print(table)
     objective = episode.frame["objective"].iloc[0] if len(episode.frame) else ""
     out.print(f"value: {objective}. moves seen: prey transitions learned so far.", style="dim")
+    if len(episode.frame) and episode.frame["target_distance"].notna().any():
+        out.print(
+            "aims at: distance of the place it makes for; who predicts makes for one some steps ahead.", style="dim"
+        )
     ending = f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s"
     out.print(ending, style="bold")
 
@@ -174,19 +178,21 @@ def tradeoff_table(frame: Any) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
                   title="{experiment} in {arena}, seed {seed}".format(**frame.attrs))  # fmt: skip
     table.add_column("planner", overflow="fold", min_width=10)
-    table.add_column("varied", no_wrap=True)
-    for name in ("caught %", "mean s", "metres", "changes", "ms/plan", "cost"):
+    table.add_column("varied", overflow="fold", min_width=11)
+    for name in ("caught", "95 %", "s", "m", "changes", "ms", "cost"):
         table.add_column(name, justify="right", no_wrap=True)
     for row in frame.to_dict("records"):
         varied = f"{row['weight']} {row['value']:g}" if row["weight"] else ""
+        caught, _, *success = _cells({**row, "arena": "", "theta": None, "paper_success": None})[3:7]
         table.add_row(
-            row["planner"], varied, f"{100 * row['success']:.1f}", f"{row['mean_time_s']:.1f}",
-            f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}", f"{row['planning_ms']:.2f}",
-            f"{row['cost']:.1f}",
+            row["planner"], varied, caught, *success, f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
+            f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
         )  # fmt: skip
     out.print(table)
     weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
     out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
+    out.print("95 %: Wilson interval of the success in per cent. s, m, changes: mean time, distance and changes "
+              "of gait of a hunt. ms: median time of one decision.", style="dim")  # fmt: skip
     if frame.attrs["note"]:
         out.print(Text(frame.attrs["note"], style="italic"))
 
