@@ -33,7 +33,7 @@ def test_tradeoff(bayeshunt, tmp_path):
     assert (tmp_path / "t" / "tradeoff.png").stat().st_size > 1000
     out, _ = bayeshunt("tradeoff", "--vary", "transitions=1", "--runs", "1", *SMALL)
     assert "transitions 1" in out
-    assert re.search(r"frugal .*\b[01]/1 +\d+\.\d to \d+\.\d", out)
+    assert re.search(r"frugal .*\b[01]/1 +\d+\.\d-\d+\.\d", out)
     assert "95 %: Wilson" in out
 
 

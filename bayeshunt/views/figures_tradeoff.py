@@ -50,6 +50,8 @@ def _draw(axes: Axes, frame: pd.DataFrame, column: str) -> None:
         ends = [points[0], points[-1]] if len(points) > 1 else points
         for x, y, value in [*ends, *points[1:-1]]:  # the ends first: they say which way the weight grows
             place = (x / scale[0], y / scale[1])
-            if (x, y, value) in ends or all(abs(place[0] - u) > 0.07 or abs(place[1] - v) > 0.05 for u, v in taken):
-                taken.append(place)
-                axes.annotate(f"{value:g}", (x, y), textcoords="offset points", xytext=(6, 5), fontsize=7, color=FAINT)
+            near = sum(abs(place[0] - u) <= 0.07 and abs(place[1] - v) <= 0.05 for u, v in taken)
+            if not near or (x, y, value) in ends:
+                taken.append(place)  # labels of one place stand below each other
+                below: dict[str, Any] = {"textcoords": "offset points", "xytext": (6, 5 - 9 * near)}
+                axes.annotate(f"{value:g}", (x, y), fontsize=7, color=FAINT, **below)

@@ -183,9 +183,11 @@ def tradeoff_table(frame: Any) -> None:
         table.add_column(name, justify="right", no_wrap=True)
     for row in frame.to_dict("records"):
         varied = f"{row['weight']} {row['value']:g}" if row["weight"] else ""
-        caught, _, *success = _cells({**row, "arena": "", "theta": None, "paper_success": None})[3:7]
+        caught, _, interval, mean = _cells({**row, "arena": "", "theta": None, "paper_success": None})[3:7]
+        interval = interval.replace(" to ", "-")  # so that all fits into 80 columns
         table.add_row(
-            row["planner"], varied, caught, *success, f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
+            row["planner"], varied, caught, interval, mean,
+            f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
             f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
         )  # fmt: skip
     out.print(table)

@@ -73,3 +73,14 @@ def test_a_tradeoff_joins_the_values_of_a_weight():
     assert left.lines[1].get_xdata().tolist() == [2.0, 1.0]
     assert right.lines[1].get_xdata().tolist() == [1.0, 0.5]
     assert [text.get_text() for text in left.texts] == ["0", "9"]
+
+
+def test_a_tradeoff_labels_both_ends_of_every_curve():
+    frame = pd.DataFrame(
+        [{"planner": "frugal", "weight": w, "value": v, "mean_transitions": m, "mean_distance_m": m, "mean_time_s": 2.0}
+         for w, v, m in [("transitions", 0.0, 5.0), ("transitions", 1.0, 4.9), ("transitions", 7.0, 4.8),
+                         ("distance", 0.0, 5.0), ("distance", 100.0, 5.0)]]
+    )  # fmt: skip
+    texts = tradeoff_figure(frame).axes[0].texts
+    assert [text.get_text() for text in texts] == ["0", "7", "0", "100"]
+    assert len({(text.xy, text.xyann) for text in texts}) == 4
