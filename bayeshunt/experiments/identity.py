@@ -22,6 +22,9 @@ from bayeshunt.config import ExperimentSettings
 _LIBRARIES = ("bayeshunt", "box2d", "numpy")
 _ABSENT = "not given"
 
+#: Settings that change with the others: the words under a table, and the figures it is held against.
+_FOLLOWING = ("note", "published")
+
 
 @dataclass(frozen=True)
 class Identity:
@@ -78,7 +81,8 @@ class Identity:
             (_model_kind(self), _model_kind(other), "the model"),
         )
         for mine, theirs, name in pairs:
-            for key, one, two in _differences(mine, theirs):
+            # what follows from another change is named only if nothing else differs
+            for key, one, two in sorted(_differences(mine, theirs), key=lambda found: found[0].startswith(_FOLLOWING)):
                 return f"{_readable(name, key)} is {_short(one)} there and {_short(two)} here"
         if self.model and other.model and self.model != other.model:
             return f"the model has fingerprint {self.model[:12]} there and {other.model[:12]} here"
