@@ -23,7 +23,7 @@ _LIBRARIES = ("bayeshunt", "box2d", "numpy")
 _ABSENT = "not given"
 
 #: Settings that change with the others: the words under a table, and the figures it is held against.
-_FOLLOWING = ("note", "published")
+_FOLLOWING = (".note", ".published")
 
 
 @dataclass(frozen=True)
