@@ -63,7 +63,10 @@ class Sink(NamedTuple):
     @contextlib.contextmanager
     def opened(self) -> Iterator[Writer]:
         """Yield a writer on a connection of its own; BayesHuntError if the file is gone or cannot be written."""
-        with _reporting(self.path), contextlib.closing(_connect(self.path)) as connection:
+        with _reporting(self.path):
+            connection = _connect(self.path)
+        # Outside of the reporting: what the work in the block raises is no damage to the database.
+        with contextlib.closing(connection):
             yield Writer(connection, self)
 
 
