@@ -53,10 +53,11 @@ def load_experiment(
         values = _resolve(values, source)
     before = values
     values = copy.deepcopy(values)
-    for key, value in (overrides or {}).items():
+    # A group before what is inside it, so that the order in which changes are given means nothing.
+    for key, value in sorted((overrides or {}).items(), key=lambda change: change[0].count(".")):
+        if key == "robot" and isinstance(value, str):
+            value = load_robot(value).model_dump()
         _set(values, key, value, source)
-    if isinstance(values.get("robot"), str):  # given as a change
-        values["robot"] = load_robot(values["robot"]).model_dump()
     if overrides:
         _forget_publication(values, before, set(overrides))
     return parse(ExperimentSettings, values, source)
@@ -94,6 +95,8 @@ def parse(kind: type[Kind], values: Any, source: str) -> Kind:
 
 def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], str]:
     """Return the parsed TOML of a preset name or path and what to call it in a message."""
+    if not isinstance(name, (str, os.PathLike)):
+        raise ConfigError(f"expected the name of a preset or the path of a .toml file, got {name!r}")
     text = os.fspath(name)
     if not text.endswith(".toml") and os.sep not in text:
         known = preset_names(folder)
@@ -159,13 +162,15 @@ def _forget_publication(values: dict[str, Any], before: dict[str, Any], given: s
         )
 
 
-def _without_runs(values: dict[str, Any], key: str) -> dict[str, Any]:
+def _without_runs(values: dict[str, Any], key: str) -> Any:
     """A group of settings as parsed, defaults filled in; more runs make no other experiment."""
     group = ExperimentSettings.model_fields[key].annotation
     given = values.get(key, {})
     if isinstance(group, type) and issubclass(group, BaseModel):
         with contextlib.suppress(ValidationError):  # said later, with its key
             given = group.model_validate(given).model_dump()
+    if not isinstance(given, dict):
+        return given  # not even a group: that too is said later
     return {name: value for name, value in given.items() if name != "runs"}
 
 
@@ -216,7 +221,7 @@ def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
 
 
 def describe(kind: str) -> list[dict[str, Any]]:
-    """Return every key of an "experiment" or "robot" settings file: key, type, default, meaning.
+    """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
 
     Raises ConfigError for another kind.
     """

@@ -50,6 +50,13 @@ def test_overrides_by_dotted_key():
     assert again.protocol.runs == 3
 
 
+def test_the_order_of_overrides_means_nothing():
+    changes = {"robot": "car", "robot.gait_duration": 1.0}
+    one, other = load_experiment("paper", changes), load_experiment("paper", dict(reversed(changes.items())))
+    assert one == other
+    assert (one.robot.name, one.robot.gait_duration) == ("car", 1.0)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -62,6 +69,9 @@ def test_overrides_by_dotted_key():
         ('base = "paper"\n[protocol]\nruns = "many"\n', r"protocol\.runs: .*got 'many'"),
         ('base = "paper"\n[protocol]\nthetas = []\n', r"protocol\.thetas: "),
         ('base = "paper"\nrobot = "kepera"\n', "no preset called 'kepera'; did you mean 'khepera'"),
+        ('base = "paper"\nprey = 3\n', r"prey: input should be a valid dictionary.*got 3"),
+        ('base = "paper"\narenas = "open"\n', r"arenas: input should be a valid dictionary, got 'open'"),
+        ('base = "paper"\nrobot = ["khepera"]\n', "robot: input should be a valid dictionary"),
         ('name = "x"\n', "robot: required, but not given"),
     ],
 )
@@ -89,6 +99,18 @@ def test_experiment_mistakes(tmp_path, text, message):
 def test_robot_mistakes(tmp_path, text, message):
     with pytest.raises(ConfigError, match=message):
         load_robot(write(tmp_path, text))
+
+
+@pytest.mark.parametrize("key", ["prey", "arenas", "protocol", "robot"])
+def test_an_override_that_is_no_group(key):
+    with pytest.raises(ConfigError, match=f"{key}: input should be a valid dictionary"):
+        load_experiment("paper", {key: 3})
+
+
+@pytest.mark.parametrize("load", [load_robot, load_experiment])
+def test_what_is_no_name_is_refused(load):
+    with pytest.raises(ConfigError, match=r"expected the name of a preset or the path of a \.toml file, got 3"):
+        load(3)
 
 
 def test_missing_and_binary_files(tmp_path):
