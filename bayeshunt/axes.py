@@ -50,7 +50,8 @@ class Axis:
     @classmethod
     def full_turn(cls, name: str, bins: int) -> Axis:
         """``bins`` equal bins over the full turn, one centred on 0 rad."""
-        return cls(name, 2.0 * math.pi / bins, int(bins), circular=True)
+        bins = int(bins)
+        return cls(name, 2.0 * math.pi / max(bins, 1), bins, circular=True)  # fewer than one bin is refused there
 
     @property
     def _first_edge(self) -> float:
@@ -90,9 +91,10 @@ class Axis:
             index = math.floor((values - self._first_edge) / self.width)
             return index % self.bins if self.circular else index
         array = np.asarray(values, dtype=float)
-        if self.circular:
-            array = np.asarray(wrap(array))
-        indices = np.floor((array - self._first_edge) / self.width).astype(np.int64)
+        scaled = np.asarray(wrap(array) if self.circular else array.copy())
+        for operation, operand in ((np.subtract, self._first_edge), (np.divide, self.width)):
+            operation(scaled, operand, out=scaled)  # in place: a new array costs more than the sum
+        indices = np.floor(scaled, out=scaled).astype(np.int64)
         if self.circular:
             # the half bin beyond the seam belongs to bin 0; an integer modulo would cost five times more
             np.subtract(indices, self.bins, out=indices, where=indices >= self.bins)

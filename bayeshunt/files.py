@@ -42,12 +42,18 @@ def replace_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:
 def check_target(path: str | os.PathLike[str]) -> Path:
     """Return the file to write for ``path``, symbolic links followed.
 
-    Raises InputError unless it is a regular file or not there yet: a device, a pipe or a folder would be lost.
+    Raises InputError unless it is a regular file or not there yet: a device, a pipe or a folder would be
+    lost; BayesHuntError if that cannot be found out.
     """
     target = Path(os.path.realpath(path))
-    if target.is_dir():
+    try:
+        folder = target.is_dir()
+        regular = target.is_file() or not (target.exists() or target.is_symlink())
+    except OSError as error:  # a name too long, a folder that may not be entered
+        raise BayesHuntError(f"{path}: cannot be written ({error.strerror or error})") from None
+    if folder:
         raise InputError(f"{path}: is a folder; expected a file name")
-    if target.is_symlink() or (target.exists() and not target.is_file()):
+    if not regular:
         raise InputError(f"{path}: is not a regular file and is left as it is; choose another name")
     return target
 
@@ -58,6 +64,8 @@ def check_source(path: str | os.PathLike[str], command: str, error: type[InputEr
     command: the one that makes such files with ``--out``; it is suggested with this name only if
     there is nothing that it would overwrite.
     """
+    if not isinstance(path, (str, os.PathLike)):  # a setting may hold anything
+        raise error(f"expected the name of a file made by: {command}; got {path!r}")
     name = os.fspath(path)
     if not os.path.lexists(path):
         raise error(f"{name}: no such file; make one with: {command} --out {shlex.quote(name)}")

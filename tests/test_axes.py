@@ -69,6 +69,12 @@ def test_nonsense_is_refused(width, bins):
         Axis("Distance", width, bins)
 
 
+@pytest.mark.parametrize("bins", [0, -3])
+def test_a_turn_without_bins_is_refused(bins):
+    with pytest.raises(InputError, match="axis Angle: needs at least one bin"):
+        EffectAxes.standard(0.057, angle_bins=bins)
+
+
 def test_axes_by_name():
     axes = EffectAxes.standard(0.057)
     assert axes["Angle"].bins == 36

@@ -24,6 +24,11 @@ def test_a_missing_folder_is_one_line(tmp_path):
         write_text(tmp_path / "no" / "f.txt", "x")
 
 
+def test_a_name_that_is_too_long_is_one_line(tmp_path):
+    with pytest.raises(BayesHuntError, match=r"cannot be written \(File name too long\)"):
+        write_text(tmp_path / ("a" * 300), "x")
+
+
 def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path):
     (tmp_path / "elsewhere").mkdir()
     file, link = tmp_path / "elsewhere" / "f.txt", tmp_path / "link.txt"
@@ -54,6 +59,8 @@ def test_what_is_no_file_is_left_as_it_is(tmp_path):
 def test_a_command_is_suggested_only_for_a_name_that_is_free(tmp_path):
     with pytest.raises(DataError, match=r"no such file; make one with: bayeshunt babble --out '.*my table\.parquet'"):
         check_source(tmp_path / "my table.parquet", "bayeshunt babble", DataError)
+    with pytest.raises(DataError, match="expected the name of a file made by: bayeshunt babble; got 3"):
+        check_source(3, "bayeshunt babble", DataError)
     os.mkfifo(tmp_path / "pipe")
     for path, kind in ((tmp_path, "is a folder"), (tmp_path / "pipe", "is not a regular file")):
         with pytest.raises(DataError, match=f"{kind}; give a file made by: bayeshunt babble$"):
