@@ -56,20 +56,21 @@ def test_an_error_in_a_worker_arrives_as_it_is():
         work(fail, range(2))
 
 
-def test_a_worker_ends_when_its_parent_has(tmp_path):
-    pid = os.fork()
-    if not pid:  # a parent with one worker, which dies at once
-        worker = os.fork()
-        if not worker:
-            workers.guard_worker(os.getppid())
-            time.sleep(60)
-            os._exit(0)
-        (tmp_path / "pid").write_text(str(worker))
-        time.sleep(0.2)
+def test_a_worker_ends_when_its_parent_has():
+    reading, writing = os.pipe()
+    parent = os.fork()
+    if not parent:
+        parent = os.getpid()
+        if not os.fork():  # the worker, which is guarded before its parent is killed
+            workers.guard_worker(parent)
+            os.write(writing, str(os.getpid()).encode())
+        time.sleep(120)
         os._exit(0)
-    os.waitpid(pid, 0)
-    worker = int((tmp_path / "pid").read_text())
-    for _ in range(100):
+    worker = int(os.read(reading, 20))
+    assert alive(worker)
+    os.kill(parent, signal.SIGKILL)
+    os.waitpid(parent, 0)
+    for _ in range(300):
         if not alive(worker):
             return
         time.sleep(0.1)
