@@ -160,8 +160,8 @@ class PreyMemory:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PreyMemory:
         """Read a memory; ModelFileError in one line if the file is missing, damaged or something else."""
-        name = os.fspath(path)
         check_source(path, _MAKER, ModelFileError)
+        name = os.fspath(path)
         try:
             outer = json.loads(Path(path).read_text(encoding="utf-8"))
             body, checksum = outer["memory"], outer["checksum"]
@@ -175,7 +175,10 @@ class PreyMemory:
             raise ModelFileError(f"{name}: format {version}, but this version reads {FORMAT}; make it again")
         if not intact:
             raise ModelFileError(f"{name}: the checksum does not match, the file is damaged; make it again")
-        return cls._from_record(body)
+        try:
+            return cls._from_record(body)
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise ModelFileError(f"{name}: malformed content; give a file made by: {_MAKER}") from None
 
     def _record(self) -> dict[str, Any]:
         some = next(iter(self.tables.values()))["all"]

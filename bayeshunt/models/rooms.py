@@ -20,10 +20,11 @@ import pandas as pd
 
 from bayeshunt.dataset import PROVENANCE_KEY
 from bayeshunt.errors import DataError, ModelFileError
-from bayeshunt.files import write_text
+from bayeshunt.files import check_source, write_text
 from bayeshunt.models.forward import ForwardModel
 
 KIND, FORMAT = "bayeshunt room", 1
+_MAKER = "bayeshunt explore"
 _COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
 #: A step ended this many body lengths from where its gait leads: something was in the way.
 _BLOCKED = 1.0
@@ -56,19 +57,27 @@ class RoomModel:
         Walls are the long edges of the convex hull of all poses at which steps were held up: an
         edge where nothing was ever in the way is only where the hunter did not go.
 
-        Raises DataError if a column is missing or a number is not finite.
+        Raises DataError if a column is missing, a number is not finite or the robot hardly moved; InputError
+        for a gait that ``model`` does not know.
         """
         missing = [name for name in _COLUMNS if name not in track.columns]
         if missing:
             raise DataError(f"track: column {missing[0]!r} is missing; expected {', '.join(_COLUMNS)}")
-        places = track[["x", "y"]].to_numpy(dtype=float)
-        if len(places) < 3 or not np.isfinite(places).all():
-            raise DataError("track: expected at least three poses of finite x and y")
+        poses = track[["x", "y", "theta"]].to_numpy(dtype=float)
+        places = poses[:, :2]
+        if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
+            raise DataError("track: expected at least three places, and finite x, y and theta")
         held = places[_held_up(track, model)]
         walls = _merge(_edges(_hull(places)), held, model.gaits.body_length)
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
+
+    def __post_init__(self) -> None:
+        for name in ("normals", "offsets", "lengths", "blocked"):
+            array = np.array(getattr(self, name))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     def walls(self) -> pd.DataFrame:
         """Return one row per wall: direction [deg, clockwise from the start's heading], offset, length [m], blocked."""
@@ -91,10 +100,8 @@ class RoomModel:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RoomModel:
         """Read a room; ModelFileError in one line if the file is missing, damaged or something else."""
-        name = os.fspath(path)
-        mend = "make it with: bayeshunt explore --out FILE"
-        if not Path(path).is_file():
-            raise ModelFileError(f"{name}: no such file; {mend}")
+        check_source(path, _MAKER, ModelFileError)
+        name, mend = os.fspath(path), f"give a file made by: {_MAKER}"
         try:
             record = json.loads(Path(path).read_text(encoding="utf-8"))
             content = record["content"]

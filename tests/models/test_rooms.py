@@ -78,7 +78,8 @@ def test_no_wall_where_nothing_was_ever_in_the_way(model):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [(lambda t: t.drop(columns="gait"), "'gait' is missing"), (lambda t: t.assign(x=np.nan), "finite"),
-     (lambda t: t.head(2), "three")],
+     (lambda t: t.assign(theta=t["theta"].where(t["step"] != 2)), "finite x, y and theta"),
+     (lambda t: t.head(2), "three"), (lambda t: t.assign(x=0.0, y=0.0), "at least three places")],
 )  # fmt: skip
 def test_wrong_tracks_are_refused(model, spoil, message):
     with pytest.raises(DataError, match=message):
@@ -92,6 +93,8 @@ def test_the_file_comes_back_and_notices_damage(model, tmp_path):
     again = RoomModel.load(path)
     assert again.normals.tolist() == room.normals.tolist()
     assert again.walls().equals(room.walls())
+    with pytest.raises(ValueError, match="read-only"):
+        again.offsets[0] = 0.0
     record = json.loads(path.read_text())
     record["content"]["offsets"][0] += 0.01
     path.write_text(json.dumps(record))
@@ -101,5 +104,9 @@ def test_the_file_comes_back_and_notices_damage(model, tmp_path):
         path.write_text(text)
         with pytest.raises(ModelFileError, match=str(path)):
             RoomModel.load(path)
-    with pytest.raises(ModelFileError, match="bayeshunt explore"):
+    with pytest.raises(ModelFileError, match=r"no such file; make one with: bayeshunt explore --out .*none\.json"):
         RoomModel.load(tmp_path / "none.json")
+    with pytest.raises(ModelFileError, match="is a folder; give a file made by: bayeshunt explore"):
+        RoomModel.load(tmp_path)
+    with pytest.raises(ModelFileError, match="expected the name of a file made by: bayeshunt explore; got 3"):
+        RoomModel.load(3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from dataclasses import replace
@@ -145,6 +146,11 @@ def test_damaged_memories_are_refused(tmp_path):
         path.write_text(broken)
         with pytest.raises(ModelFileError, match=r"memory\.json: .*(make it again|made by: bayeshunt remember)"):
             PreyMemory.load(path)
+    sealed = {"format": 1, "tables": [], "distance_width": 0.01}  # sound, but nothing that this version wrote
+    checksum = hashlib.sha256(json.dumps(sealed, sort_keys=True).encode()).hexdigest()
+    path.write_text(json.dumps({"memory": sealed, "checksum": checksum}))
+    with pytest.raises(ModelFileError, match=r"memory\.json: malformed content"):
+        PreyMemory.load(path)
     with pytest.raises(ModelFileError, match="bayeshunt remember"):
         PreyMemory.load(tmp_path / "none.json")
 
@@ -158,6 +164,8 @@ def test_wrong_settings(setting, value, model):
 
 
 def test_a_memory_must_be_given(model):
+    with pytest.raises(InputError, match="expected the name of a file made by: bayeshunt remember; got 3"):
+        Memory(model, tables=3)
     with pytest.raises(InputError, match="memory_place: needs the setting tables"):
         PlaceMemory(model)
     assert math.isclose(sum(weights(Memory(model, tables=memory_of(pen=[LEFT]), depth=1), [LEFT, LEFT]).values()), 1.0)
