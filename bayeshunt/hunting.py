@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
+from dataclasses import replace
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +68,8 @@ def hunt(
     trail: list[Moment] = []
     trial = _Trial(settings, arena, theta, seed, prey_model, trail)
     for situation, plan, moment, observed in trial.decide(planner):
+        # The prey model goes on learning: the record keeps what was known at this decision.
+        situation = replace(situation, prey_model=trial.prey_model.copy())
         steps.append(Step.of(len(steps), moment, situation, plan, observed))
     return Episode.assemble(
         steps,
@@ -74,8 +78,8 @@ def hunt(
         settings=settings,
         planner=planner.name,
         arena=arena,
-        theta=theta,
-        seed=seed,
+        theta=float(theta),
+        seed=int(seed),
     )
 
 
@@ -107,7 +111,7 @@ class _Trial:
             np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(4)
         )
         self.prey_model = prey_model.copy() if prey_model is not None else PreyModel(_prey_axes(settings))
-        hunter_pose, prey_pose = starting_poses(settings, theta)
+        hunter_pose, prey_pose = starting_poses(settings, float(theta))
         self.arena = Arena(
             settings.robot, settings.prey, settings.arenas[arena], settings.physics,
             Streams(hunter_noise, prey_noise, prey_control),
@@ -198,5 +202,5 @@ def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int) ->
     settings.check_arena(arena)
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
-    if isinstance(theta, (str, bool)) or not math.isfinite(theta):
+    if isinstance(theta, bool) or not isinstance(theta, Real) or not math.isfinite(theta):
         raise InputError(f"theta: expected a finite number of radians, got {theta!r}")

@@ -9,6 +9,7 @@ from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.geometry import Polar, Pose
 from bayeshunt.hunting import hunt, run_hunt, starting_poses
 from bayeshunt.models.prey import PreyModel
+from bayeshunt.planners.check import same_plan
 from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
@@ -86,6 +87,22 @@ def test_saved_episodes_come_back(planners, tmp_path):
         Episode.load(tmp_path / "nowhere.parquet")
 
 
+def test_numbers_of_numpy_are_numbers(planners, tmp_path):
+    theta, seed = np.float32(1.0), np.int64(3)
+    episode = hunt("paper", planners["reactive"], arena="open", theta=theta, seed=seed)
+    assert episode.frame.equals(hunt("paper", planners["reactive"], arena="open", theta=1.0, seed=3).frame)
+    episode.save(tmp_path / "e.parquet")
+    assert Episode.load(tmp_path / "e.parquet").provenance["seed"] == 3
+
+
+def test_a_recorded_situation_is_what_was_known_then(planners):
+    planner = planners["prediction"]
+    episode = hunt("paper", planner, arena="walled", theta=1.0, seed=0)
+    assert [s.prey_model.observations for s in episode.situations] == list(range(len(episode.frame)))
+    for situation, plan in zip(episode.situations, episode.plans, strict=True):
+        assert same_plan(planner.plan(situation, rng=np.random.default_rng(0)), plan)
+
+
 def test_prior_knowledge_of_the_prey_is_copied(planners):
     known = PreyModel()
     known.observe(Polar(0.16, 0.0, 0.0))
@@ -110,6 +127,8 @@ def test_the_prey_starts_clockwise_at_theta():
         ({"seed": -1}, "seed: expected a whole number"),
         ({"seed": 1.5}, "seed: expected a whole number"),
         ({"theta": float("nan")}, "theta: expected a finite number"),
+        ({"theta": None}, "theta: expected a finite number"),
+        ({"theta": "1"}, "theta: expected a finite number"),
     ],
 )
 def test_nonsense_is_refused(planners, change, message):

@@ -47,7 +47,7 @@ def babble(
     world = new_world()
     drive = build_drive(world, robot.body, robot.noise, physics, robot.body.diameter, noise)
     executed = np.empty((steps, PATH_INTERVALS, 3))
-    counts = _interval_steps(physics.steps(robot.gait_duration))
+    counts = interval_steps(physics.steps(robot.gait_duration))
     for row, gait in enumerate(order.tolist()):
         executed[row] = _execute(world, drive, physics, robot.gaits[gait].command, counts)
         if progress is not None:
@@ -109,8 +109,8 @@ def _balanced_order(gaits: int, steps: int, rng: np.random.Generator) -> np.ndar
     return rng.permutation(np.concatenate([whole, rest]))
 
 
-def _interval_steps(total: int) -> list[int]:
-    """Physics steps in each of the part-way intervals; they add up to ``total``."""
+def interval_steps(total: int) -> list[int]:
+    """Return the physics steps in each of the part-way intervals; they add up to ``total``, some may be 0."""
     edges = np.linspace(0, total, PATH_INTERVALS + 1).round().astype(int)
     return np.diff(edges).tolist()
 
@@ -121,8 +121,8 @@ def provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed:
         "kind": "babbling table",
         "robot": robot.model_dump(mode="json"),
         "physics": physics.model_dump(mode="json"),
-        "steps": steps,
-        "seed": seed,
+        "steps": int(steps),  # a NumPy integer is no JSON number
+        "seed": int(seed),
         "versions": {
             "bayeshunt": version("bayeshunt"),
             "box2d": version("box2d"),

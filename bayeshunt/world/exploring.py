@@ -8,7 +8,7 @@ import pandas as pd
 from bayeshunt.config import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.dataset import PROVENANCE_KEY
 from bayeshunt.world.arena import build_walls, new_world
-from bayeshunt.world.babbling import PATH_INTERVALS, check_whole, provenance
+from bayeshunt.world.babbling import check_whole, interval_steps, provenance
 from bayeshunt.world.bodies import build_drive
 
 
@@ -32,27 +32,28 @@ def explore(
     if arena.walled:
         build_walls(world, arena.width / unit, arena.height / unit)
     drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
-    total = physics.steps(robot.gait_duration)
-    ends = set(np.linspace(0, total, PATH_INTERVALS + 1).round().astype(int)[1:].tolist())
+    counts = interval_steps(physics.steps(robot.gait_duration))
     poses = []
     for gait in order.tolist():
         drive.command(*robot.gaits[gait].command)
-        for taken in range(total):
-            if taken % physics.control_steps == 0:
-                drive.next_interval()
-            drive.advance()
-            world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
-            if world.contactCount:
-                drive.read_back()
-            if taken + 1 in ends:
-                poses.append(drive.pose)
+        taken = 0
+        for count in counts:
+            for _ in range(count):
+                if taken % physics.control_steps == 0:
+                    drive.next_interval()
+                drive.advance()
+                world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
+                taken += 1
+                if world.contactCount:
+                    drive.read_back()
+            poses.append(drive.pose)
     x, y, theta = np.array(poses).T
     names = np.array(robot.gaits.names, dtype=object)[order]
     frame = pd.DataFrame(
         {
-            "step": np.repeat(np.arange(steps), len(ends)),
-            "gait": np.repeat(names, len(ends)),
-            "interval": np.tile(np.arange(1, len(ends) + 1), steps),
+            "step": np.repeat(np.arange(steps), len(counts)),
+            "gait": np.repeat(names, len(counts)),
+            "interval": np.tile(np.arange(1, len(counts) + 1), steps),
             "x": x,
             "y": y,
             "theta": theta,

@@ -57,6 +57,13 @@ def test_the_shipped_data_set_can_be_made_again_to_the_byte(tmp_path):
         assert again.read_bytes() == DATA.read_bytes()
 
 
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    frame = babble("khepera", np.int64(20), np.int32(3))
+    assert frame.equals(babble("khepera", 20, 3))
+    dataset.save(frame, tmp_path / "t.parquet")
+    assert dataset.load(tmp_path / "t.parquet").attrs[dataset.PROVENANCE_KEY]["seed"] == 3
+
+
 @pytest.mark.parametrize(("steps", "seed"), [(0, 0), (-5, 0), (2.5, 0), (True, 0), (10, -1), (10, "x")])
 def test_nonsense_is_refused(steps, seed):
     with pytest.raises(InputError, match="expected a whole number"):

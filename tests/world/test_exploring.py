@@ -36,6 +36,15 @@ def test_same_seed_same_track_another_seed_another(settings):
     assert not one["x"].equals(other["x"])
 
 
+@pytest.mark.parametrize("physics_steps", [4, 10])
+def test_a_time_step_shorter_than_its_intervals(settings, physics_steps):
+    short = settings.robot.model_copy(update={"gait_duration": physics_steps * 0.032})
+    track = explore(short, settings.arenas["walled"], 5, 0)
+    assert track["interval"].tolist() == [*range(1, 14)] * 5
+    ends = track.groupby("step")[["x", "y"]].nth(-1)
+    assert len(ends.drop_duplicates()) == 5
+
+
 @pytest.mark.parametrize(("steps", "seed", "message"), [(0, 1, "steps"), (5, -1, "seed")])
 def test_wrong_numbers_are_refused(settings, steps, seed, message):
     with pytest.raises(InputError, match=message):
