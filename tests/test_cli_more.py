@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+from bayeshunt.experiments.babbling import babble_to_file
+
 SMALL = ["--set", "protocol.thetas=[3.0]", "--set", "model.babbling_steps=300", "--jobs", "1", "--quiet"]
 
 
@@ -76,6 +78,42 @@ def test_ctrl_c_says_so(bayeshunt, monkeypatch, arguments, says):
     monkeypatch.setattr("bayeshunt.experiments.tradeoff.learn_model", interrupted)
     out, err = bayeshunt(*arguments, status=130)
     assert (out, err.strip()) == ("", f"bayeshunt: {says}")
+
+
+def test_a_babbling_that_was_stopped_says_what_is_kept_and_goes_on(bayeshunt, folder, monkeypatch):
+    line = ["babble", "--steps", "130", "--jobs", "1", "--out", "b.parquet"]
+    stop_after, ended = 1, []
+
+    def progress(rows):
+        ended.append(rows)
+        if len(ended) == stop_after:
+            raise KeyboardInterrupt
+
+    def in_small_shards(*arguments, **options):
+        return babble_to_file(*arguments, **{**options, "shard_rows": 50, "progress": progress})
+
+    monkeypatch.setattr("bayeshunt.experiments.babbling.babble_to_file", in_small_shards)
+    _, err = bayeshunt(*line, status=130)
+    assert err == (
+        "bayeshunt: stopped; 50 of 130 rows are kept in b.parquet.shards; give the same line again to go on\n"
+    )
+    stop_after = 0
+    made = (folder / "b.parquet.shards" / "000000.parquet").stat().st_mtime_ns
+    seen = []
+    monkeypatch.setattr("bayeshunt.experiments.babbling._join", lambda shards, *_: seen.extend(shards))
+    monkeypatch.setattr("shutil.rmtree", lambda _: None)
+    assert "130 rows" in bayeshunt(*line)[0]
+    assert len(seen) == 3
+    assert seen[0].path.stat().st_mtime_ns == made
+
+
+def test_a_small_babbling_that_was_stopped_keeps_nothing(bayeshunt, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bayeshunt.experiments.babbling.babble", interrupted)
+    _, err = bayeshunt("babble", "--out", "b.parquet", status=130)
+    assert err.startswith("bayeshunt: stopped; nothing is kept yet")
 
 
 def test_one_hunt_with_changed_settings(bayeshunt):

@@ -64,7 +64,7 @@ def figures(
     planned, learned = _hunts(settings, forward, seed)
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
     names = [path.name for path in written]
-    tell({"out": str(out), "files": names}, as_json, f"{out}: {len(names)} files: {', '.join(names)}")
+    tell({"out": str(out), "files": names}, as_json, _listed(out, names))
 
 
 def _settings_of(hunts: Any, folder: Any) -> Any:
@@ -111,16 +111,29 @@ def export(
 ) -> None:
     """Write every table of a model as CSV: probability, count and 95 % interval of each cell.
 
-    Example:  bayeshunt export model.json --out tables
+    Example:  bayeshunt export model.json --out tables --xmlbif tables/model.xmlbif
     """
     from bayeshunt.cli.options import check_parent
     from bayeshunt.experiments.store import check_output_folder
     from bayeshunt.models.forward import ForwardModel
 
     if xmlbif is not None:
-        check_parent(xmlbif)
+        check_parent(xmlbif, made=out)
     forward = ForwardModel.load(model)
     names = [path.name for path in forward.to_csv(check_output_folder(out))]
+    lines = [_listed(out, names)]
     if xmlbif is not None:
         forward.to_xmlbif(xmlbif)
-    tell({"out": str(out), "files": names}, as_json, f"{out}: {', '.join(names)}")
+        lines.append(str(xmlbif))
+    facts = {"out": str(out), "files": names, "xmlbif": None if xmlbif is None else str(xmlbif)}
+    tell(facts, as_json, "\n".join(lines))
+
+
+def _listed(folder: Path, names: list[str]) -> str:
+    """The files of a folder, one line for those that differ in their ending alone: "name.png, .svg"."""
+    endings: dict[str, list[str]] = {}
+    for name in names:
+        stem, _, ending = name.rpartition(".")
+        endings.setdefault(stem, []).append(ending)
+    files = "file" if len(names) == 1 else "files"
+    return "\n".join([f"{folder}: {len(names)} {files}", *(f"  {k}.{', .'.join(v)}" for k, v in endings.items())])

@@ -12,6 +12,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
+from bayeshunt.cli.stopping import stoppable
 from bayeshunt.errors import InputError
 
 
@@ -32,13 +33,20 @@ def babble(
 
     Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
     """
-    from bayeshunt.experiments.babbling import babble_to_file
+    from bayeshunt.experiments.babbling import babble_to_file, kept_rows
     from bayeshunt.views import terminal
 
     check_parent(out)
     if out.suffix.lower() == ".csv":
         raise InputError(f"{out}: tables are Parquet, not CSV; name it {out.with_suffix('.parquet')}")
-    with terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
+
+    def kept() -> str:
+        rows = kept_rows(out)
+        if not rows:
+            return "nothing is kept yet (large tables are kept in shards of 100,000 rows)"
+        return f"{rows:,} of {steps:,} rows are kept in {out}.shards; give the same line again to go on"
+
+    with stoppable(kept), terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
         gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
     facts = {"out": str(out), "rows": steps, "gaits": gaits, "seed": seed}
     following = f"bayeshunt fit {shlex.quote(str(out))} --out model.json"

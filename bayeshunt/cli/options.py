@@ -34,10 +34,10 @@ def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
     typer.echo(json.dumps(facts) if as_json else text)
 
 
-def check_parent(path: Path) -> None:
-    """Fail before the work rather than after it."""
+def check_parent(path: Path, made: Path | None = None) -> None:
+    """Fail before the work rather than after it; the folder ``made`` is one that the command makes itself."""
     check_target(path)
-    if not path.parent.is_dir():
+    if not path.parent.is_dir() and (made is None or path.parent.resolve() != made.resolve()):
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
 
 

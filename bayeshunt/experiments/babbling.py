@@ -76,13 +76,24 @@ def babble_to_file(
         dataset.save(frame, path)
         return sorted(frame["gait"].unique())
     record = {**provenance(robot, physics, steps, seed), "shard_rows": shard_rows}
-    folder = check_output_folder(Path(f"{os.fspath(path)}.shards"))
+    folder = check_output_folder(_shard_folder(path))
     with FolderLock(folder):
         shards = list(_shards(steps, seed, shard_rows, folder))
         _babble_missing(partial(babble_shard, robot, physics, record, os.getpid()), shards, record, jobs, progress)
         _join(shards, record, path)
     shutil.rmtree(folder)
     return sorted(robot.gaits.names)
+
+
+def kept_rows(path: str | os.PathLike[str]) -> int:
+    """Return how many rows of an unfinished table ``path`` are kept in its shards; 0 if there are none."""
+    import pyarrow.parquet as pq
+
+    return sum(pq.read_metadata(shard).num_rows for shard in _shard_folder(path).glob("[0-9]*.parquet"))
+
+
+def _shard_folder(path: str | os.PathLike[str]) -> Path:
+    return Path(f"{os.fspath(path)}.shards")
 
 
 def babble_shard(

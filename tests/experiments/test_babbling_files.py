@@ -5,7 +5,7 @@ import pytest
 
 from bayeshunt import dataset
 from bayeshunt.errors import DataError, FolderInUseError, InputError
-from bayeshunt.experiments.babbling import babble_to_file, shard_seed
+from bayeshunt.experiments.babbling import babble_to_file, kept_rows, shard_seed
 from bayeshunt.experiments.lock import FolderLock
 from bayeshunt.world.babbling import babble
 
@@ -48,6 +48,7 @@ def test_workers_and_interruptions_change_no_byte(tmp_path):
     assert not three.exists()
     kept = sorted(p.name for p in (tmp_path / "three.parquet.shards").glob("*.parquet"))
     assert kept == ["000000.parquet"]
+    assert [kept_rows(path) for path in (one, three)] == [0, 50]
     ended = []
     babble_to_file(**WHAT, path=three, progress=ended.append)
     assert ended == [50, 50, 30]

@@ -37,6 +37,11 @@ def test_figures_are_drawn_from_results(model_file, khepera_model, tmp_path: Pat
     assert {"fig3_reactive_walled", "fig4_prediction_walled", "fig4_prediction_open", "fig6b_planning_open"} <= stems
     assert {Path(name).suffix for name in files} == {".png", ".svg"}
     assert len(files) == 2 * len(stems)
+    told = run("figures", "--out", tmp_path / "out", "--results", tmp_path / "results", "--model", model_file)
+    lines = told.stdout.splitlines()
+    assert lines[0] == f"{tmp_path / 'out'}: {len(files)} files"
+    assert "  fig1b_network.png, .svg" in lines
+    assert len(lines) == 1 + len(stems)
 
 
 @pytest.mark.slow
@@ -61,6 +66,19 @@ def test_export_writes_tables_and_network(model_file, tmp_path: Path) -> None:
     assert json.loads(done.stdout)["files"] == ["gait.csv", "distance.csv", "angle.csv", "heading.csv"]
     assert (tmp_path / "csv" / "angle.csv").read_text().startswith("gait,bin,low,high,probability,count,ci_low,ci_high")
     assert bh.import_network(tmp_path / "net.xmlbif").gaits.names == bh.ForwardModel.load(model_file).gaits.names
+
+
+def test_export_puts_the_network_into_the_folder_that_it_makes(model_file, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run("export", model_file, "--out", "made", "--xmlbif", "made/net.xmlbif")
+    assert done.exit_code == 0, done.output
+    assert done.stdout.splitlines() == [
+        "made: 4 files", "  gait.csv", "  distance.csv", "  angle.csv", "  heading.csv", "made/net.xmlbif"
+    ]  # fmt: skip
+    assert (tmp_path / "made" / "net.xmlbif").is_file()
+    refused = run("export", model_file, "--out", "other", "--xmlbif", "elsewhere/net.xmlbif")
+    assert isinstance(refused.exception, bh.InputError)
+    assert not (tmp_path / "other").exists()
 
 
 def test_query_explains(model_file) -> None:
