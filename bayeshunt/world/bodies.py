@@ -100,9 +100,9 @@ class Drive:
         vx, vy = self.speed * cos(angle), self.speed * sin(angle)
         dx, dy = vx - self.vx, vy - self.vy
         limit = self._traction
-        if dx > limit or dx < -limit or dy > limit or dy < -limit:
+        if dx * dx + dy * dy > limit * limit:
             # the tyres carry only so much: |change of velocity| <= traction limit x step
-            share = min(1.0, limit / hypot(dx, dy))
+            share = limit / hypot(dx, dy)
             vx, vy = self.vx + share * dx, self.vy + share * dy
         velocity = self._velocity
         velocity.x = self.vx = vx

@@ -117,6 +117,17 @@ def test_traction_limits_the_change_of_velocity():
     assert arena.hunter.pose.x == pytest.approx(0.5 * 0.02 * 1.0**2, rel=0.1)
 
 
+@pytest.mark.parametrize("theta", [0.0, 0.6, math.pi / 4, -2.0])
+def test_traction_is_the_same_in_every_direction(theta):
+    robot = quiet("khepera")
+    # wheels gain 0.6 m/s2, the tyres carry 0.5: full speed 0.0576 m/s is reached after 0.0576 / 0.5 s
+    slippery = robot.model_copy(update={"body": robot.body.model_copy(update={"max_traction": 0.5})})
+    arena = arena_for(slippery, hunter_pose=Pose(0.0, 0.0, theta))
+    arena.run((0.0576, 0.0576), 3 * 0.032)
+    gone = math.hypot(*arena.hunter.pose[:2])
+    assert gone == pytest.approx(0.5 * 0.032 * 0.032 * (1 + 2 + 3), rel=1e-5)
+
+
 def test_noise_has_the_stated_spread():
     settings = NoiseSettings(slip=0.1, drift_sd=0.025, drift_time=0.5)
     factors = actuator_factors(settings, 0.064, np.random.default_rng(0))
