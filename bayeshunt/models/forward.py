@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -27,16 +27,16 @@ from bayeshunt.geometry import Polar
 from bayeshunt.models import network, sampling
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.effects import IndependentEffects, JointEffects, compile_effects
+from bayeshunt.models.opening import OpenTables
 from bayeshunt.models.rows import CountedRows
 from bayeshunt.models.structures import NAIVE, Structure, check_hunting, find_structure
-from bayeshunt.models.table import ProbabilityTable
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ForwardModel:
+class ForwardModel(OpenTables):
     """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
 
     joint: the sufficient statistics; every table is derived from it and from the prior.
@@ -53,6 +53,7 @@ class ForwardModel:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
     structure: Structure = NAIVE
+    has_counts: ClassVar[bool] = True  # False for an imported network: its tables have no known counts
 
     def __post_init__(self) -> None:
         prior = self.prior
@@ -158,16 +159,6 @@ class ForwardModel:
 
     # --- tables -------------------------------------------------------------------------------
 
-    @property
-    def gaits(self) -> GaitRepertoire:
-        """The repertoire, in table order."""
-        return self.joint.gaits
-
-    @property
-    def axes(self) -> EffectAxes:
-        """The bins of Distance, Angle and Heading."""
-        return self.joint.axes
-
     def probabilities(self, variable: str) -> np.ndarray:
         """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".
 
@@ -178,10 +169,6 @@ class ForwardModel:
         self._check_variable(variable)
         return self._tables[variable]
 
-    def cpt(self, variable: str) -> pd.DataFrame:
-        """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""
-        return self._labelled(variable, self.probabilities(variable), "probability")
-
     @property
     def local_tables(self) -> dict[str, np.ndarray]:
         """The network's own tables: "Gait" [G] and P(effect | parents) [K, ...parents] of each effect.
@@ -191,42 +178,6 @@ class ForwardModel:
         never seen together is 0 throughout: it cannot be reached.
         """
         return {"Gait": self._tables["Gait"], **self._effects.local}
-
-    def counts(self, variable: str) -> pd.DataFrame:
-        """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count")."""
-        self._check_variable(variable)
-        return self._labelled(variable, self.joint.marginal(variable), "count")
-
-    def rows(self, variable: str, bin: str | int, gait: Gait | str | None = None) -> pd.DataFrame:
-        """Return the babbling rows behind a table cell, as many as :meth:`counts` says, in their order.
-
-        variable: "Distance", "Angle" or "Heading"; "Gait" then takes a gait as ``bin``.
-        bin: label or number of the bin. gait: column of the table; None: the rows of every gait.
-
-        Raises DataError if the model holds no rows (see :meth:`with_data`), InputError for an unknown name.
-        """
-        self._check_variable(variable)
-        return self._counted_rows.find(self, variable, bin, gait)
-
-    def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
-        """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook."""
-        low, high = self.credible_interval(variable, level)
-        return ProbabilityTable(variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior)
-
-    def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
-        """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
-
-        level: probability inside the interval, in (0, 1). With prior 0, the Jeffreys interval.
-        """
-        self._check_variable(variable)
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level is {level}; expected a probability between 0 and 1")
-        counts = self.joint.marginal(variable)
-        column = counts[:, None] if variable == "Gait" else counts
-        low, high = tables.credible_interval(column, self.prior, level=level)
-        if variable == "Gait":
-            low, high = low[:, 0], high[:, 0]
-        return self._labelled(variable, low, "low"), self._labelled(variable, high, "high")
 
     @cached_property
     def network(self) -> Any:
@@ -379,16 +330,6 @@ class ForwardModel:
         if self.prior == 0 and unseen.size:
             name = self.gaits.names[int(unseen[0])]
             raise DataError(f"gait {name!r} has no rows; babble it, or fit with a prior > 0")
-
-    def _check_variable(self, variable: str) -> None:
-        if variable not in network.VARIABLES:
-            raise InputError(f"unknown variable {variable!r}: expected one of {', '.join(network.VARIABLES)}")
-
-    def _labelled(self, variable: str, values: np.ndarray, column: str) -> pd.DataFrame:
-        if variable == "Gait":
-            return pd.DataFrame({column: values}, index=pd.Index(self.gaits.names, name="Gait"))
-        index = pd.Index(self.axes[variable].labels, name=variable)
-        return pd.DataFrame(values.copy(), index=index, columns=pd.Index(self.gaits.names, name="Gait"))
 
     @cached_property
     def _counted_rows(self) -> CountedRows:
