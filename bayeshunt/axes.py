@@ -92,8 +92,8 @@ class Axis:
             return index % self.bins if self.circular else index
         array = np.asarray(values, dtype=float)
         scaled = np.asarray(wrap(array) if self.circular else array.copy())
-        for operation, operand in ((np.subtract, self._first_edge), (np.divide, self.width)):
-            operation(scaled, operand, out=scaled)  # in place: a new array costs more than the sum
+        scaled -= self._first_edge  # in place: a new array costs more than the arithmetic
+        scaled /= self.width
         indices = np.floor(scaled, out=scaled).astype(np.int64)
         if self.circular:
             # the half bin beyond the seam belongs to bin 0; an integer modulo would cost five times more

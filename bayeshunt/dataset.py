@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -75,17 +75,42 @@ def discretise(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes) -> 
     """Return int64 indices [N, 4] of (gait, Distance, Angle, Heading) for every row.
 
     Distance indices may lie beyond the axis: the grid is open-ended.
+    Raises DataError for a gait that is not in the repertoire.
     """
-    # Factorising first compares names once per gait, not once per row: 8 times faster on 1e6 rows.
-    seen, names = pd.factorize(frame["gait"])
-    position = {name: index for index, name in enumerate(gaits.names)}
-    if (seen < 0).any() or any(name not in position for name in names):
-        validate(frame, gaits.names)
     indices = np.empty((4, len(frame)), dtype=np.int64)  # a variable after the other: they are used one at a time
-    indices[0] = np.array([position[name] for name in names], dtype=np.int64)[seen]
+    indices[0] = gait_codes(frame["gait"], gaits)
     for row, axis in enumerate(axes, start=1):
         indices[row] = axis.index(frame[axis.name.lower()].to_numpy(dtype=float))
     return indices.T
+
+
+def gait_codes(values: pd.Series, gaits: GaitRepertoire, *, first_row: int = 0) -> np.ndarray:
+    """Return the int64 index [N] of each gait name of a babbling table in the repertoire.
+
+    Raises DataError for a name that is not there; first_row: what the message calls the first row.
+    """
+    codes = positions(values, gaits.names).astype(np.int64, copy=False)
+    if codes.min(initial=0) < 0:
+        _check_gaits(values, gaits.names, "table", first_row)
+    return codes
+
+
+def positions(values: pd.Series, names: Sequence[str]) -> np.ndarray:
+    """Return the integer position [N] of each value among ``names`` (no two alike); -1 if it is not there.
+
+    Names are compared once for each category or distinct value, or inside Arrow: never row by row in Python.
+    """
+    index = pd.Index(np.array(names, dtype=object))
+    if isinstance(values.dtype, pd.CategoricalDtype):
+        return np.append(index.get_indexer(values.cat.categories), -1)[values.cat.codes.to_numpy()]
+    if getattr(values.dtype, "storage", None) == "pyarrow":
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        texts = pa.array(values.array)
+        return pc.index_in(texts, value_set=pa.array(names, type=texts.type)).fill_null(-1).to_numpy()
+    codes, distinct = pd.factorize(values)
+    return np.append(index.get_indexer(distinct), -1)[codes]
 
 
 def save(frame: pd.DataFrame, path: str | os.PathLike[str], provenance: dict[str, Any] | None = None) -> None:
@@ -172,7 +197,8 @@ def _check_gaits(values: pd.Series, gaits: Iterable[str] | None, source: str, fi
     if row is not None:
         stranger = values.iloc[row]
         raise DataError(
-            f"{source}: row {row}: gait {stranger!r} is not in the repertoire; expected one of {', '.join(known)}"
+            f"{source}: row {first_row + row}: gait {stranger!r} is not in the repertoire; "
+            f"expected one of {', '.join(known)}"
         )
 
 

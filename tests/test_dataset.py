@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bayeshunt import dataset
+from bayeshunt import dataset, sealed
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError
 from bayeshunt.gaits import GaitRepertoire
@@ -57,6 +57,21 @@ def test_indices_by_hand():
     zero = axes.angle.index(0.0)
     assert indices[0].tolist() == [1, 10, zero, axes.heading.index(3.0)]
     assert indices[1].tolist() == [0, 0, axes.angle.index(-1.0), zero]
+
+
+@pytest.mark.parametrize("kind", ["object", "str", "string", "category"])
+def test_positions_of_names_however_they_are_stored(kind):
+    values = pd.Series(["b", "a", "z", None, "b"], dtype=kind)
+    assert dataset.positions(values, ["a", "b", "c"]).tolist() == [1, 0, -1, -1, 1]
+    assert dataset.positions(values[:0], ["a"]).tolist() == []
+
+
+def test_an_unknown_gait_is_named_with_the_row_of_the_whole_table(tmp_path, monkeypatch):
+    monkeypatch.setattr(sealed, "ROW_GROUP", 1)
+    path = tmp_path / "t.parquet"
+    dataset.save(changed(gait=["a", "z"]), path, {})
+    with pytest.raises(DataError, match="row 1: gait 'z'"):
+        list(dataset.Batches(path).of(["a", "b"]))
 
 
 def test_path_columns_are_found_in_order():

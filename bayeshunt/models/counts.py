@@ -15,19 +15,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt import dataset
 from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.errors import DataError, InputError, ZeroCountError
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.geometry import wrap
 from bayeshunt.models.cells import CountedCells
+from bayeshunt.models.tally import SCALE, tally_rows
 
-#: Fixed point: units per metre, and per unit of cosine or sine.
-SCALE = 1e9
 #: The open-ended distance grid stops here: one absurd row must not ask for gigabytes of table.
 MAX_DISTANCE_BINS = 100_000
-#: Up to this many cells a dense tally (64 MB at most) is faster than sorting the rows.
-_DENSE_CELLS = 1 << 23
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +61,8 @@ class JointCounts:
 
         Raises DataError if a row lies absurdly far out (more than MAX_DISTANCE_BINS bins).
         """
-        _check_reach(frame, axes)
-        indices = dataset.discretise(frame, gaits, axes)
-        axes = axes.extended(int(indices[:, 1].max()) + 1)
-        cells, counts = _tally(indices, (len(gaits), *axes.shape))
-        return cls(gaits, axes, cells, counts, _pose_sums(frame, indices[:, 0], len(gaits)))
+        axes = axes.extended(_bins_reached(frame, axes))
+        return cls(gaits, axes, *tally_rows(frame, gaits, axes))
 
     def merge(self, other: JointCounts) -> JointCounts:
         """Return the counts of both; equal, bit for bit, to counting all rows at once.
@@ -159,12 +152,16 @@ class JointCounts:
         return table.reshape(shape)
 
 
-def _check_reach(frame: pd.DataFrame, axes: EffectAxes) -> None:
+def _bins_reached(frame: pd.DataFrame, axes: EffectAxes) -> int:
+    """Number of distance bins up to the farthest row."""
     distances = frame["distance"].to_numpy(dtype=float)
     row = int(distances.argmax())
     limit = MAX_DISTANCE_BINS * axes.distance.width
     if not distances[row] < limit:
         raise DataError(f"row {row}: distance is {distances[row]} m; the distance grid ends at {limit:g} m")
+    if distances.min() < 0:
+        raise DataError(f"row {int(distances.argmin())}: distance is {distances.min()}; expected metres >= 0")
+    return int(axes.distance.index(float(distances[row]))) + 1
 
 
 def _check_same_grid(one: JointCounts, other: JointCounts) -> None:
@@ -172,18 +169,6 @@ def _check_same_grid(one: JointCounts, other: JointCounts) -> None:
         raise InputError("cannot join counts of different gaits")
     if one.axes.extended(other.axes.distance.bins) != other.axes.extended(one.axes.distance.bins):
         raise InputError("cannot join counts made with different bins")
-
-
-def _tally(indices: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sorted unique rows [K, 4] of ``indices`` [N, 4] and how often each occurs [K]."""
-    flat = np.ravel_multi_index(tuple(indices.T), shape)
-    if np.prod(shape, dtype=float) <= _DENSE_CELLS:
-        dense = np.bincount(flat)
-        keys = np.flatnonzero(dense)
-        counts = dense[keys]
-    else:
-        keys, counts = np.unique(flat, return_counts=True)
-    return np.column_stack(np.unravel_index(keys, shape)), counts
 
 
 def _add_up(cells: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -194,57 +179,3 @@ def _add_up(cells: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarr
     cells, counts = cells[order], counts[order]
     first = np.r_[True, np.any(cells[1:] != cells[:-1], axis=1)]
     return cells[first], np.add.reduceat(counts, np.flatnonzero(first))
-
-
-def _pose_sums(frame: pd.DataFrame, codes: np.ndarray, gaits: int) -> np.ndarray:
-    """Return int64 [G, P + 1, 4]: fixed-point sums of the part-way poses and of the final pose."""
-    columns = dataset.path_columns(frame.columns)
-    points = len(columns) // 3
-    sums = np.zeros((gaits, points + 1, 4), dtype=np.int64)
-    for point in range(points + 1):
-        for part, values in enumerate(_pose_parts(frame, columns[3 * point : 3 * point + 3])):
-            sums[:, point, part] = _exact_sums(values, codes, gaits)
-    return sums
-
-
-def _pose_parts(frame: pd.DataFrame, columns: list[str]) -> tuple[np.ndarray, ...]:
-    """Return forward, right, cos(heading), sin(heading), each [N]; no columns: the final pose."""
-    names = columns or ["distance", "angle", "heading"]
-    # Contiguous copies: numpy may round sine and cosine differently on strided data.
-    one, two, heading = (np.ascontiguousarray(frame[n].to_numpy(dtype=float)) for n in names)
-    if not columns:
-        one, two = one * _cos(two), one * _sin(two)
-    return one, two, _cos(heading), _sin(heading)
-
-
-# Single precision is good to 1e-7 (0.02 micrometres on a gait's 0.2 m) and eight times faster.
-def _cos(radians: np.ndarray) -> np.ndarray:
-    return np.cos(radians.astype(np.float32)).astype(np.float64)
-
-
-def _sin(radians: np.ndarray) -> np.ndarray:
-    return np.sin(radians.astype(np.float32)).astype(np.float64)
-
-
-def _exact_sums(values: np.ndarray, codes: np.ndarray, gaits: int) -> np.ndarray:
-    """Return int64 [G]: the sum of ``values`` [N] in multiples of 1e-9, by gait; refuses what could overflow."""
-    farthest = np.abs(values).max() * SCALE
-    if farthest * len(values) >= 2.0**62:
-        raise DataError(f"a pose lies {farthest / SCALE:g} m away: too far for exact sums")
-    fixed = np.rint(values * SCALE)
-    # Sums of whole numbers are exact in float64 while they stay below 2^53: add up that many rows at a time.
-    chunk = max(1, int(2.0**53 / (farthest + 1.0)))
-    if chunk < 1000:
-        return _sums_of_integers(fixed.astype(np.int64), codes, gaits)
-    sums = np.zeros(gaits, dtype=np.int64)
-    for start in range(0, len(values), chunk):
-        part = slice(start, start + chunk)
-        sums += np.bincount(codes[part], weights=fixed[part], minlength=gaits).astype(np.int64)
-    return sums
-
-
-def _sums_of_integers(fixed: np.ndarray, codes: np.ndarray, gaits: int) -> np.ndarray:
-    """Return int64 [G], the sums of int64 ``fixed`` [N] by gait: slow, for poses that are very far away."""
-    sums = np.zeros(gaits, dtype=np.int64)
-    np.add.at(sums, codes, fixed)
-    return sums

@@ -15,7 +15,7 @@ from model_cases import babbled, frame_of, repertoire, small_axes
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError, InputError, ZeroCountError
 from bayeshunt.gaits import GaitRepertoire
-from bayeshunt.models import counts as counts_module
+from bayeshunt.models import tally
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.forward import ForwardModel
 
@@ -76,8 +76,40 @@ def test_any_split_merges_to_the_batch(rows: list[tuple], cuts: list[int]) -> No
 def test_dense_and_sorted_tally_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     frame, axes = babbled(500, seed=3), EffectAxes.standard(0.057)
     dense = JointCounts.of(frame, repertoire(), axes)
-    monkeypatch.setattr(counts_module, "_DENSE_CELLS", 1)
+    monkeypatch.setattr(tally, "_DENSE_CELLS", 1)
     assert JointCounts.of(frame, repertoire(), axes) == dense
+
+
+@pytest.mark.parametrize("part_rows", [1, 7, 499, 500])
+def test_parts_and_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch, part_rows: int) -> None:
+    frame, axes = babbled(500, seed=3, points=2), EffectAxes.standard(0.057)
+    whole = JointCounts.of(frame, repertoire(), axes)
+    monkeypatch.setattr(tally, "_PART_ROWS", part_rows)
+    for kind in ("str", "object", "category"):
+        assert JointCounts.of(frame.astype({"gait": kind}), repertoire(), axes) == whole
+
+
+def test_parts_name_rows_of_the_whole_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    frame = babbled(50, seed=1)
+    frame.loc[frame.index >= 37, "gait"] = "moonwalk"
+    monkeypatch.setattr(tally, "_PART_ROWS", 10)
+    with pytest.raises(DataError, match="row 37: gait 'moonwalk'"):
+        JointCounts.of(frame, repertoire(), EffectAxes.standard(0.057))
+
+
+def test_parts_do_not_hide_sums_that_could_overflow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each part alone would pass: 50 rows of 1e8 m are 5e18 nm, more than 2^62; 10 rows are not."""
+    frame = babbled(50, seed=1, points=1).assign(path_01_forward=1e8)
+    monkeypatch.setattr(tally, "_PART_ROWS", 10)
+    with pytest.raises(DataError, match="too far for exact sums"):
+        JointCounts.of(frame, repertoire(), EffectAxes.standard(0.057))
+
+
+def test_a_negative_distance_is_refused_not_counted() -> None:
+    frame = babbled(20, seed=1)
+    frame.loc[7, "distance"] = -0.1
+    with pytest.raises(DataError, match="row 7: distance"):
+        JointCounts.of(frame, repertoire(), EffectAxes.standard(0.057))
 
 
 def test_mean_poses_are_the_means_of_the_rows() -> None:
