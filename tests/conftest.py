@@ -1,11 +1,18 @@
 """What many tests share: one small babbling table, the model fitted to it, and the command line as typed."""
 
+import os
+
 import pytest
 
 from bayeshunt.cli import main
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.settings import load_robot
 from bayeshunt.world.babbling import babble
+
+# Output as in a pipe of 80 columns, whatever terminal or service runs the tests; child processes too.
+os.environ["COLUMNS"] = "80"
+for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):
+    os.environ.pop(name, None)
 
 
 @pytest.fixture(scope="session")

@@ -26,13 +26,14 @@ def model_file(khepera_model, tmp_path_factory):
 def start(*arguments, limit=None):
     """Start a command; no file that it writes may grow beyond ``limit`` bytes, as on a full disk."""
 
-    def limited():
+    def prepared():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # who runs the tests in the background ignores it, and so would we
         if limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     line = [sys.executable, "-m", "bayeshunt", *map(str, arguments)]
     return subprocess.Popen(
-        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=limited, start_new_session=True
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=prepared, start_new_session=True
     )
 
 
