@@ -73,6 +73,11 @@ class TurnModel:
                 raise InputError(f"turn model: {name} must be a positive number, got {getattr(self, name)!r}")
         if not 0.0 <= self.prior_hazard <= 1.0:
             raise InputError(f"turn model: prior_hazard must be a probability, got {self.prior_hazard!r}")
+        turns = np.array(self.prior_turns, dtype=float)
+        if not np.isfinite(turns).all():
+            raise InputError(f"turn model: prior_turns must be finite, got {turns.tolist()}")
+        turns.setflags(write=False)
+        object.__setattr__(self, "prior_turns", turns)
 
     def learn(self, transitions: Iterable[Polar]) -> TurnModel:
         """Return a model that has also seen ``transitions`` (poses in the prey's own earlier frame)."""
@@ -102,10 +107,13 @@ class TurnModel:
         Every turn seen weighs 1, every one of the L0 prior turns ``turn_weight / L0``. Both arrays
         are empty if there is neither.
         """
-        prior = np.asarray(self.prior_turns, dtype=float)
+        prior = self.prior_turns
         weights = np.concatenate([np.full(len(prior), self.turn_weight / max(len(prior), 1)), np.ones(len(self.turns))])
         turns = np.asarray(wrap(np.concatenate([prior, np.array(self.turns)])), dtype=float).reshape(-1)
-        return turns, weights / weights.sum() if weights.size else weights
+        chances = weights / weights.sum() if weights.size else weights
+        for array in (turns, chances):
+            array.setflags(write=False)
+        return turns, chances
 
     def cpt(self) -> pd.DataFrame:
         """Return what the prey does within a time-step: rows "straight" and every turn, summing to 1.

@@ -99,7 +99,6 @@ class ConstantVelocity:
                 raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
         self.acceleration, self.position = float(acceleration), float(position)
         self.steering = Steering(model)
-        self._filters: dict[float, object] = {}
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the point of interception."""

@@ -116,8 +116,10 @@ def solve(
 ) -> np.ndarray:
     """Return V, the least expected time to capture [s], float32 of the grid's shape.
 
-    Sweeps until no value changes by more than ``tolerance`` [s]. progress: called with 1 after
-    every gait that has been tabulated and then after every sweep.
+    Sweeps until no value changes by more than ``tolerance`` [s], at most ``sweeps`` times: against a
+    prey that gets away the values would grow for ever, and then mean the least expected time out of
+    ``sweeps`` time-steps. progress: called with 1 after every gait that has been tabulated and then
+    after every sweep.
     """
     tables = []
     for gait in range(len(chase.hunter)):

@@ -59,6 +59,9 @@ def test_turn_table_by_hand():
     assert table["probability"].tolist() == pytest.approx([0.75, 0.0625, 0.0625, 0.125])
     assert table["seen"].tolist() == [3, 0, 0, 1]
     assert prior.turns == ()  # learning returned a new model
+    for array in (turns, chances, seen.prior_turns):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 9.0
 
 
 def test_turn_table_does_not_depend_on_how_transitions_arrive():
@@ -69,7 +72,9 @@ def test_turn_table_does_not_depend_on_how_transitions_arrive():
     assert prior.learn(reversed(seen)).hazard == whole.hazard
 
 
-@pytest.mark.parametrize("wrong", [{"prior_speed": 0.0}, {"prior_hazard": 1.5}, {"prior_steps": 0.0}])
+@pytest.mark.parametrize(
+    "wrong", [{"prior_speed": 0.0}, {"prior_hazard": 1.5}, {"prior_steps": 0.0}, {"prior_turns": [np.nan]}]
+)
 def test_turn_model_refuses_nonsense(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
         TurnModel(**{"prior_speed": 0.2, **wrong})
