@@ -153,10 +153,11 @@ def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[st
     """Scores of a model's own tables: held out only if it has not counted these rows."""
     seen = rows.codes[:, -4:]
     inside = seen[:, 1] < model.axes.distance.bins
-    possible = inside.copy()
     probability = np.zeros(len(seen))
     _, distance, angle, heading = seen[inside].T
-    joint = model.evidence(distance, angle, heading) / model.probabilities("Gait")
+    chosen = model.probabilities("Gait")
+    joint = model.evidence(distance, angle, heading)
+    joint = np.divide(joint, chosen, out=np.zeros_like(joint), where=chosen > 0)  # a gait of probability 0 does nothing
     probability[inside] = joint[np.arange(len(joint)), seen[inside, 0]]
     possible = probability > 0
     with np.errstate(divide="ignore"):

@@ -189,14 +189,15 @@ def _reliability(name: str, forecast: np.ndarray, happened: np.ndarray) -> pd.Da
 def confusion(rows: CodedRows, posterior: np.ndarray) -> pd.DataFrame:
     """Return how often each gait (rows) was taken for each gait (columns), by highest posterior.
 
-    Ties go to the first gait in table order.
+    Ties go to the first gait in table order; rows that no gait could have done are left out.
     """
     names = list(rows.gaits.names)
     table = np.zeros((len(names), len(names)), dtype=np.int64)
-    np.add.at(table, (rows.column("Gait"), posterior.argmax(axis=1)), 1)
+    known = posterior.any(axis=1)
+    np.add.at(table, (rows.column("Gait")[known], posterior[known].argmax(axis=1)), 1)
     return pd.DataFrame(table, index=pd.Index(names, name="executed"), columns=pd.Index(names, name="inferred"))
 
 
 def accuracy(rows: CodedRows, posterior: np.ndarray) -> float:
-    """Return the share of rows whose gait has the highest posterior."""
-    return float((posterior.argmax(axis=1) == rows.column("Gait")).mean())
+    """Return the share of rows whose gait has the highest posterior; a row that no gait could have done is a miss."""
+    return float(((posterior.argmax(axis=1) == rows.column("Gait")) & posterior.any(axis=1)).mean())

@@ -16,7 +16,8 @@ from bayeshunt.cli import main
 from bayeshunt.models.assess import PRIOR
 from bayeshunt.models.assess_independence import g_statistic, permuted
 from bayeshunt.models.assess_rows import CodedRows
-from bayeshunt.models.assess_scores import brier, log_loss
+from bayeshunt.models.assess_scores import accuracy, brier, confusion, log_loss
+from bayeshunt.models.imported import ImportedModel
 from bayeshunt.models.structures import JOINT, NAIVE, PREVIOUS_GAIT, Structure
 
 GAITS = ("go", "turn")
@@ -318,6 +319,17 @@ def test_scores_of_known_forecasts() -> None:
     assert log_loss(sure[::-1], happened) == math.inf
 
 
+def test_a_row_that_no_gait_could_have_done_is_a_miss() -> None:
+    rows = CodedRows.of(SMALL, bh.GaitRepertoire.of(GAITS), AXES)
+    nothing = np.zeros((len(ROWS), 2))
+    assert accuracy(rows, nothing) == 0.0
+    assert confusion(rows, nothing).to_numpy().sum() == 0
+    truth = np.eye(2)[rows.column("Gait")]
+    truth[0] = 0.0
+    assert accuracy(rows, truth) == pytest.approx(0.9)
+    assert confusion(rows, truth).to_numpy().tolist() == [[4, 0], [0, 5]]
+
+
 def test_without_a_prior_the_impossible_is_counted(babbled: pd.DataFrame) -> None:
     found = bh.assess(babbled, prior=0.0, permutations=1, structures=["tan"])
     assert found.structures["impossible"]["naive"] > 0
@@ -339,6 +351,16 @@ def test_a_model_brings_its_structure_and_its_own_scores(babbled: pd.DataFrame) 
     assert other.given["same_rows"] is False
     assert other.given["impossible"] > 0
     assert math.isfinite(other.given["log_loss_of_possible"])
+
+
+def test_rows_of_a_gait_that_a_model_never_chooses_are_impossible_to_it() -> None:
+    learned = bh.ForwardModel.fit(SMALL, GAITS, 0.5, axes=AXES)
+    given = {name: table.copy() for name, table in learned.local_tables.items()}
+    model = ImportedModel.of(learned.gaits, learned.axes, NAIVE, {**given, "Gait": np.array([1.0, 0.0])})
+    scores = bh.assess(SMALL, model=model, permutations=1, structures=[]).given
+    assert scores["impossible"] == (SMALL["gait"] == "turn").sum()
+    assert scores["log_loss"] == math.inf
+    assert math.isfinite(scores["log_loss_of_possible"])
 
 
 @pytest.mark.parametrize(
