@@ -46,9 +46,11 @@ def validate(
     missing = [c for c in COLUMNS if c not in frame.columns]
     if missing:
         raise DataError(f"{source}: column {missing[0]!r} is missing; a babbling table needs {', '.join(COLUMNS)}")
+    part_way = path_columns(frame.columns)
+    _check_columns(frame.columns, part_way, source)
     if frame.empty:
         raise DataError(f"{source}: the table has no rows; babble at least one step")
-    numeric = [*COLUMNS[1:], *path_columns(frame.columns)]
+    numeric = [*COLUMNS[1:], *part_way]
     for column in numeric:
         _check_numbers(frame[column], column, source, first_row)
     row = _first(frame["distance"].to_numpy(dtype=float) < 0)
@@ -102,6 +104,8 @@ def positions(values: pd.Series, names: Sequence[str]) -> np.ndarray:
     """
     index = pd.Index(np.array(names, dtype=object))
     if isinstance(values.dtype, pd.CategoricalDtype):
+        if index.equals(values.cat.categories.astype(object)):
+            return values.cat.codes.to_numpy()
         return np.append(index.get_indexer(values.cat.categories), -1)[values.cat.codes.to_numpy()]
     if getattr(values.dtype, "storage", None) == "pyarrow":
         import pyarrow as pa
@@ -174,6 +178,20 @@ class Batches:
             yield frame
         if not first:
             raise DataError(f"{self._name}: the table has no rows; babble at least one step")
+
+
+def _check_columns(columns: pd.Index, part_way: list[str], source: str) -> None:
+    """Raise DataError for a name that stands twice, or if a pose part-way through a gait is incomplete."""
+    repeated = columns[columns.duplicated()]
+    if len(repeated):
+        raise DataError(f"{source}: column {repeated[0]!r} stands twice; names must be unique")
+    # They are told apart by order alone: one that is missing would shift all that follow.
+    missing = [name for name in path_column_names(-(-len(part_way) // 3)) if name not in part_way]
+    if missing:
+        raise DataError(
+            f"{source}: column {missing[0]!r} is missing; part-way poses need forward, right and heading "
+            "of every interval from 01 on"
+        )
 
 
 def _check_numbers(values: pd.Series, column: str, source: str, first_row: int) -> None:

@@ -36,6 +36,31 @@ def test_what_is_wrong_is_said_with_its_place(frame, message):
 
 def test_a_good_table_passes():
     dataset.validate(GOOD, ["a", "b"])
+    dataset.validate(with_paths(12), ["a", "b"])
+
+
+def with_paths(points):
+    """The good table with part-way poses."""
+    return changed(**dict.fromkeys(dataset.path_column_names(points), 0.5))
+
+
+@pytest.mark.parametrize(
+    ("lost", "message"),
+    [
+        (["path_02_right"], "column 'path_02_right' is missing; part-way poses need forward, right and heading"),
+        (["path_01_right", "path_02_right", "path_03_right"], "column 'path_01_right' is missing"),
+        (["path_01_forward", "path_01_right", "path_01_heading"], "column 'path_01_forward' is missing"),
+    ],
+)
+def test_a_lost_part_of_a_pose_does_not_shift_the_others(lost, message):
+    with pytest.raises(DataError, match=message):
+        dataset.validate(with_paths(3).drop(columns=lost))
+
+
+def test_a_column_that_stands_twice_is_refused():
+    for name in ("gait", "distance"):
+        with pytest.raises(DataError, match=f"column '{name}' stands twice"):
+            dataset.validate(pd.concat([GOOD, GOOD[[name]]], axis=1))
 
 
 def test_round_trip_keeps_rows_and_provenance(tmp_path):
