@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from bayeshunt.config import ExperimentSettings
+from bayeshunt.experiments.plugins import source_hashes
 
 #: Distributions whose version may change a result.
 _LIBRARIES = ("bayeshunt", "box2d", "numpy")
@@ -31,7 +32,8 @@ class Identity:
     """One evaluation.
 
     settings, planners, arenas, seed: as asked. versions: by library name.
-    files: SHA-256 of each file that a planner's settings name, by dotted key.
+    files: SHA-256 of each file that a planner's settings name, by dotted key, and of the source of
+        planners and prey that do not ship.
     learned: True if the model is babbled and fitted by the evaluation itself, from settings and seed.
     model: fingerprint of the model's tables; "" while a model that is to be learned is not yet known.
     """
@@ -52,6 +54,7 @@ class Identity:
         """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
         plain = json.loads(json.dumps(settings.model_dump(mode="json")))
         files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}))
+        files |= source_hashes(planners, settings.prey.behaviour)
         return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), files, model is None, model or "")
 
     @classmethod

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import importlib
 import importlib.util
+import inspect
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -37,6 +40,32 @@ class Additions(NamedTuple):
             adopt_planner(name, factory, settings)
 
 
+def source_hashes(planners: Iterable[str], behaviour: str) -> dict[str, str]:
+    """Return the SHA-256 of the source of each planner and of the prey that do not ship, by what they are.
+
+    planners: names of the planners used. behaviour: the prey's. Left out is whatever Python knows no source of.
+    """
+    here = Additions.here()
+    used = {f"with planner {name}": here.planners[name][0] for name in planners if name in here.planners}
+    if behaviour in here.prey:
+        used[f"with prey {behaviour}"] = here.prey[behaviour]
+    sources = {name: _source(thing) for name, thing in used.items()}
+    return {name: hashlib.sha256(source).hexdigest() for name, source in sources.items() if source}
+
+
+def _source(thing: Any) -> bytes:
+    """The file that a class or function stands in; of one typed into a notebook, its methods; else nothing."""
+    with contextlib.suppress(TypeError, OSError):
+        file = Path(inspect.getsourcefile(thing) or "")
+        if file.is_file():
+            return file.read_bytes()
+    texts = []
+    for part in (thing, *vars(thing).values()) if hasattr(thing, "__dict__") else ():
+        with contextlib.suppress(TypeError, OSError):
+            texts.append(inspect.getsource(part))
+    return "\n".join(texts).encode()
+
+
 def load_plugin(path: str | os.PathLike[str]) -> ModuleType:
     """Run a Python file of the user's that calls ``register_prey`` or ``register_planner``.
 
@@ -45,7 +74,8 @@ def load_plugin(path: str | os.PathLike[str]) -> ModuleType:
     file = Path(path)
     if not file.is_file():
         raise InputError(f"{file}: no such file; expected a Python file that registers prey or planners")
-    name = f"bayeshunt_plugin_{file.stem}"
+    # Two files may have one name.
+    name = f"bayeshunt_plugin_{file.stem}_{hashlib.sha256(os.fsencode(file.resolve())).hexdigest()[:8]}"
     spec = importlib.util.spec_from_file_location(name, file)
     if spec is None or spec.loader is None:
         raise InputError(f"{file}: expected a Python file (.py)")

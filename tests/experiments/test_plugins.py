@@ -1,11 +1,13 @@
 """Prey and planners of one's own reach the command line and the workers."""
 
+import hashlib
 import json
 
 import pytest
 
-from bayeshunt.errors import InputError
-from bayeshunt.experiments.plugins import load_plugin
+import bayeshunt as bh
+from bayeshunt.errors import InputError, ResultsError
+from bayeshunt.experiments.plugins import load_plugin, source_hashes
 
 PLUGIN = """
 import bayeshunt as bh
@@ -37,6 +39,37 @@ def test_a_plugin_reaches_the_workers(bayeshunt, folder, jobs):
     total = json.loads(out)["rows"][-1]
     assert total["runs"] == 30
     assert total["caught"] > 20  # a slow prey that goes round in circles
+
+
+@pytest.mark.parametrize("kind", ["planner", "prey"])
+def test_results_of_a_changed_plugin_are_not_mixed(tmp_path, khepera_model, kind):
+    """Else who mends a planner and gives the same line again is shown what the old one did."""
+    (tmp_path / "own.py").write_text(PLUGIN.format(jobs=f"changed_{kind}"))
+    load_plugin(tmp_path / "own.py")
+    planner, prey = (
+        ("mine_of_changed_planner", "straight") if kind == "planner" else ("reactive", "circle_of_changed_prey")
+    )
+    settings = bh.load_experiment("paper", {"prey.behaviour": prey, "protocol.thetas": [1.0]})
+    what = {"runs": 1, "planners": planner, "arenas": "open", "model": khepera_model, "out": tmp_path / "out"}
+    frame = bh.evaluate(settings, **what)
+    assert bh.evaluate(settings, **what).equals(frame)
+    with (tmp_path / "own.py").open("a") as file:
+        file.write("# another one now")
+    with pytest.raises(
+        ResultsError, match=f"SHA-256 of the file with {kind} {planner if kind == 'planner' else prey} is"
+    ):
+        bh.evaluate(settings, **what)
+
+
+def test_only_what_is_used_and_does_not_ship_is_hashed(tmp_path):
+    for name in ("one", "two"):  # files of one name, in two folders
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "own.py").write_text(PLUGIN.format(jobs=name))
+        load_plugin(tmp_path / name / "own.py")
+    assert source_hashes(["reactive", "planning"], "evader") == {}
+    found = source_hashes(["mine_of_one"], "circle_of_one")
+    assert list(found) == ["with planner mine_of_one", "with prey circle_of_one"]
+    assert set(found.values()) == {hashlib.sha256((tmp_path / "one" / "own.py").read_bytes()).hexdigest()}
 
 
 @pytest.mark.parametrize(
