@@ -11,7 +11,7 @@ import numpy as np
 from bayeshunt.axes import EffectAxes
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
-from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.protocol import check_arenas, learn_model
 from bayeshunt.geometry import Polar, Pose
 from bayeshunt.hunting import hunt
 from bayeshunt.models.forward import ForwardModel
@@ -42,11 +42,13 @@ def remember(
 
     arenas: by default all of the settings'. planner: who hunts meanwhile; the reactive hunter seldom
     catches, so that it sees much. seed: of the training hunts and, without ``model``, of the babbling.
+    Raises InputError for a wrong number, an unknown planner, or an arena that is unknown or named twice.
     """
     settings = load_experiment(experiment)
     if isinstance(runs, bool) or not isinstance(runs, (int, np.integer)) or runs < 1:
         raise InputError(f"runs: expected a whole number of at least 1, got {runs!r}")
     chosen = list(arenas) if arenas else list(settings.arenas)
+    check_arenas(settings, chosen)
     body, sizes = settings.robot.body.diameter, settings.model
     axes = EffectAxes.standard(
         body, distance_bin=sizes.distance_bin, angle_bins=sizes.angle_bins, heading_bins=sizes.heading_bins

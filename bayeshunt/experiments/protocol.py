@@ -36,12 +36,8 @@ def plan_hunts(
 
     Raises InputError for an arena that the settings lack or a name that is given twice.
     """
-    for arena in arenas:
-        settings.check_arena(arena)
-    for kind, names in (("planner", planners), ("arena", arenas)):
-        twice = [name for name in names if list(names).count(name) > 1]
-        if twice:
-            raise InputError(f"{kind} {twice[0]!r} is given twice")
+    check_arenas(settings, arenas)
+    check_once("planner", planners)
     protocol = settings.protocol
     return [
         HuntTask(planner, arena, theta, run, hunt_seed(seed, index, run))
@@ -50,6 +46,20 @@ def plan_hunts(
         for index, theta in enumerate(protocol.thetas)
         for run in range(protocol.runs)
     ]
+
+
+def check_arenas(settings: ExperimentSettings, arenas: Sequence[str]) -> None:
+    """Raise InputError for an arena that the settings lack or that is named twice."""
+    for arena in arenas:
+        settings.check_arena(arena)
+    check_once("arena", arenas)
+
+
+def check_once(kind: str, names: Sequence[str]) -> None:
+    """Raise InputError for a name that is given twice; ``kind``: of what, for the message."""
+    for name in names:
+        if list(names).count(name) > 1:
+            raise InputError(f"{kind} {name!r} is given twice")
 
 
 def learn_model(settings: ExperimentSettings, seed: int, progress: Any = None) -> ForwardModel:

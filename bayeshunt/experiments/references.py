@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,8 @@ import pandas as pd
 from bayeshunt.config import ExperimentSettings, GaitSettings, RobotSettings
 from bayeshunt.dataset import path_columns
 from bayeshunt.errors import InputError
+from bayeshunt.experiments.identity import versions
+from bayeshunt.experiments.store import check_output_folder
 from bayeshunt.geometry import Polar
 from bayeshunt.planners.reference import FORMAT, ReferenceTable
 from bayeshunt.planners.relative import Chase, Grid, solve
@@ -47,7 +48,7 @@ def reference(
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
             raise InputError(f"{name}: expected a whole number of at least {least}, got {value!r}")
     facts = _facts(settings, seed, samples, angles, headings)
-    kept = None if cache is None else Path(cache) / f"reference-{facts['digest'][:16]}.npz"
+    kept = None if cache is None else check_output_folder(cache) / f"reference-{facts['digest'][:16]}.npz"
     if kept is not None and kept.is_file():
         table = ReferenceTable.load(kept)
         if table.facts.get("digest") == facts["digest"]:
@@ -58,7 +59,6 @@ def reference(
     values.setflags(write=False)
     table = ReferenceTable(values, grid, chase, settings.robot.gaits.names, facts)
     if kept is not None:
-        kept.parent.mkdir(parents=True, exist_ok=True)
         table.save(kept)
     return table
 
@@ -75,6 +75,7 @@ def _facts(settings: ExperimentSettings, seed: int, samples: int, angles: int, h
         "seed": int(seed),
         "samples": int(samples),
         "grid": [int(angles), int(headings)],
+        "versions": versions(),
     }
     text = json.dumps({k: v for k, v in facts.items() if k != "experiment"}, sort_keys=True)
     return {**facts, "digest": hashlib.sha256(text.encode()).hexdigest()}

@@ -74,7 +74,9 @@ def evaluate(
     arenas = _names(arenas, tuple(settings.arenas))
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
-        _check_minds(planners, model, settings)
+        check_minds(planners, model, settings)
+        if out is not None and not model.has_counts:
+            raise InputError("an imported network has no counts, which a folder of results needs; evaluate without out")
     with contextlib.ExitStack() as stack:
         database = None
         if out is not None:
@@ -86,7 +88,7 @@ def evaluate(
             model = model_files.loads(database.model, f"{database.path}: the model in it")
         elif model is None:
             model = learn_model(settings, seed)
-            _check_minds(planners, model, settings)
+            check_minds(planners, model, settings)
         evaluation = _Evaluation(settings, model, tasks, database, progress or _ignore, say or _ignore)
         ended = evaluation.run(jobs, scheduler)
         frame = results_frame(tasks, ended, settings, seed)
@@ -110,7 +112,7 @@ def _open_or_create(
     check_same_export(folder, settings, asked.seed)
     if model is None:
         model = learn_model(settings, asked.seed)
-        _check_minds(asked.planners, model, settings)
+        check_minds(asked.planners, model, settings)
     text = model_files.dumps(model)
     return HuntDatabase.create(folder, replace(asked, model=fingerprint(text)), text)
 
@@ -183,6 +185,13 @@ def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
         )
 
 
+def check_minds(planners: str | Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:
+    """Raise InputError for a wrong model, planner or setting of one: before any work, and not in a worker."""
+    check_model(model, settings)
+    for name in _names(planners, ()):
+        make_planner(name, model, **settings.planner.get(name, {}))
+
+
 def results_frame(
     tasks: Sequence[HuntTask], ended: dict[int, Result], settings: ExperimentSettings, seed: int
 ) -> pd.DataFrame:
@@ -206,13 +215,6 @@ def _names(given: str | Sequence[str] | None, default: Sequence[str]) -> tuple[s
 def _check_seed(seed: Any) -> None:
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
-
-
-def _check_minds(planners: Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:
-    """A wrong model, planner or setting fails here, before any work and not in a worker."""
-    check_model(model, settings)
-    for name in planners:
-        make_planner(name, model, **settings.planner.get(name, {}))
 
 
 def _ignore(_: Any) -> None:

@@ -14,7 +14,7 @@ import pandas as pd
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.runner import Progress, evaluate
+from bayeshunt.experiments.runner import Progress, check_minds, evaluate
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.settings import load_experiment
@@ -63,14 +63,13 @@ def sweep(
     settings = load_experiment(experiment)
     grid = {"speed_ratio": AXES["speed_ratio"][1]} if grid is None else dict(grid)
     points = [(values, at_point(settings, values, runs)) for values in combinations(grid)]
-    models: dict[str, ForwardModel] = {}
+    models = _learn([point for _, point in points], seed)
+    for (_, point), model in zip(points, models, strict=True):
+        check_minds(planners or point.planners, model, point)
     rows: list[dict[str, Any]] = []
-    for number, (values, point) in enumerate(points):
-        key = json.dumps([point.robot.model_dump(), point.model.model_dump(), point.physics.model_dump()])
-        if key not in models:
-            models[key] = learn_model(point, seed)
+    for number, ((values, point), model) in enumerate(zip(points, models, strict=True)):
         results = evaluate(
-            point, seed=seed, jobs=jobs, planners=planners, arenas=arenas, model=models[key], progress=progress,
+            point, seed=seed, jobs=jobs, planners=planners, arenas=arenas, model=model, progress=progress,
             out=None if out is None else Path(out) / f"point-{number:03d}",
         )  # fmt: skip
         totals = [row for row in summarise(results, point) if row["theta"] is None]
@@ -78,6 +77,16 @@ def sweep(
     frame = pd.DataFrame(rows, columns=[*grid, *COLUMNS])
     frame.attrs = {"axes": list(grid), "seed": int(seed), "experiment": settings.name, "note": settings.note}
     return frame
+
+
+def _learn(points: Sequence[ExperimentSettings], seed: int) -> list[ForwardModel]:
+    """The model of each point, learned once for all points that share body, gaits and babbling."""
+    models: dict[str, ForwardModel] = {}
+    keys = [json.dumps([p.robot.model_dump(), p.model.model_dump(), p.physics.model_dump()]) for p in points]
+    for key, point in zip(keys, points, strict=True):
+        if key not in models:
+            models[key] = learn_model(point, seed)
+    return [models[key] for key in keys]
 
 
 def combinations(grid: Grid) -> list[dict[str, Any]]:

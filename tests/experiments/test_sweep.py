@@ -76,6 +76,19 @@ def test_wrong_grids_are_refused_before_any_work(settings, grid, message):
         sweep(settings, grid, runs=1)
 
 
+@pytest.mark.parametrize(
+    ("grid", "planner", "message"),
+    [
+        ({"max_transitions": [0, 1, -1]}, "planning", "max_transitions must be"),
+        ({"prey.speed": [0.03, 0.04]}, "kinematic_limt", "unknown planner"),
+    ],
+)
+def test_planners_are_checked_at_every_point_before_any_hunt(settings, tmp_path, grid, planner, message):
+    with pytest.raises(InputError, match=message):
+        sweep(settings, grid, runs=1, planners=[planner], arenas=["open"], out=tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
 def test_combinations_keep_the_order():
     assert combinations({"a.b": [1, 2], "c.d": ["x"]}) == [{"a.b": 1, "c.d": "x"}, {"a.b": 2, "c.d": "x"}]
 
@@ -158,6 +171,12 @@ def test_a_memory_is_what_the_prey_did(settings, khepera_model):
     assert sum(turns.total(context) for context in turns.counts) == memory.observations - firsts
 
 
+@pytest.mark.parametrize(("arenas", "message"), [(["open", "open"], "given twice"), (["moon"], "unknown arena 'moon'")])
+def test_no_arena_is_remembered_twice(settings, khepera_model, arenas, message):
+    with pytest.raises(InputError, match=message):
+        remember(settings, arenas=arenas, runs=1, model=khepera_model)
+
+
 def test_memory_rows_are_marked():
     marked = ["memory", "memory_place", "memory_previous", "omniscient", "reference", "kinematic_limit"]
     assert not any(map(is_ab_initio, marked))
@@ -178,6 +197,9 @@ def test_a_reference_is_kept_and_found_again(settings, tmp_path):
     assert first.facts["digest"] == second.facts["digest"]
     with pytest.raises(InputError, match="samples"):
         reference(settings, samples=0)
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="file: cannot be used as an output folder"):
+        reference(settings, **{**small, "cache": tmp_path / "file"})
     assert math.isfinite(float(first.values.max()))
 
 
