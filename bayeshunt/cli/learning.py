@@ -119,7 +119,7 @@ def query(
         facts = {
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
             "evidence": answer.evidence, "evidence_probability": float(answer.evidence_probability),
-            "support": int(answer.support), "snapped": bool(answer.snapped),
+            "support": answer.support, "snapped": bool(answer.snapped),
             "cell": answer.cell._asdict(),
         }  # fmt: skip
         if explain:

@@ -1,7 +1,7 @@
 """A forward model made of probability tables from elsewhere: another program's network, or a published one.
 
-It answers, samples and hunts like a learned one; but nothing was counted here, so there are no counts,
-no intervals and no rows, and it cannot learn further.
+It answers, samples and hunts like a learned one; but nobody knows the counts behind it, so the support of
+its answers is None, it has no intervals and no rows, and it cannot learn further.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
 from bayeshunt.axes import EFFECTS, EffectAxes
-from bayeshunt.errors import InputError
+from bayeshunt.errors import DataError, InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
 from bayeshunt.models.counts import JointCounts
@@ -26,13 +26,14 @@ from bayeshunt.models.table import ProbabilityTable
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImportedModel(ForwardModel):
-    """A forward model whose tables are given.
+    """A forward model whose tables are given; ``joint`` holds its gaits and bins and counts nothing.
 
     given: "Gait" [G], and P(effect | parents) [K, ...parents] of each effect, parents in alphabetical
         order; columns sum to 1.
     """
 
     given: Mapping[str, np.ndarray] = field(default_factory=dict)
+    has_counts: ClassVar[bool] = False
 
     @classmethod
     def of(
@@ -63,7 +64,19 @@ class ImportedModel(ForwardModel):
 
     def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
         """Return a CPT that shows itself, without counts and intervals."""
-        return ProbabilityTable(variable, self.cpt(variable), self.counts(variable), None, None, level, self.prior)
+        return ProbabilityTable(variable, self.cpt(variable), None, None, None, level, None)
+
+    def counts(self, variable: str) -> NoReturn:
+        """Raise InputError: nobody knows the counts."""
+        raise InputError("an imported network has probabilities but no counts; ask for its cpt")
+
+    def rows(self, variable: str, bin: Any, gait: Any = None) -> NoReturn:
+        """Raise DataError: nobody knows the rows."""
+        raise DataError("an imported network has no counts, so it has no rows behind them")
+
+    def with_data(self, frame: Any) -> NoReturn:
+        """Raise DataError: no rows can be shown to be those that the network was made from."""
+        raise DataError("an imported network has no counts to hold rows against; fit a model: ForwardModel.fit")
 
     def credible_interval(self, variable: str, level: float = 0.95) -> NoReturn:
         """Raise InputError: without counts there is no interval."""
@@ -72,10 +85,6 @@ class ImportedModel(ForwardModel):
     def update(self, rows: Any) -> NoReturn:
         """Raise InputError: probabilities without counts cannot learn from further rows."""
         raise InputError("an imported network has no counts to add rows to; fit a model: ForwardModel.fit")
-
-    def save(self, path: Any) -> NoReturn:
-        """Raise InputError: a model file holds counts."""
-        raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
 
     def __repr__(self) -> str:
         bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)

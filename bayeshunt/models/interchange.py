@@ -55,7 +55,7 @@ def cells(model: ForwardModel, variable: str) -> pd.DataFrame:
         for name, part in (("bin", axis.labels), ("low", axis.edges[:-1]), ("high", axis.edges[1:])):
             frame[name] = np.tile(np.asarray(part), columns)
     frame["probability"] = values.T.ravel()
-    counted = {"count": shown.count if model.joint.total else None, "ci_low": shown.low, "ci_high": shown.high}
+    counted = {"count": shown.count, "ci_low": shown.low, "ci_high": shown.high}
     for name, table in counted.items():
         frame[name] = None if table is None else table.to_numpy().T.ravel()
     return frame

@@ -94,15 +94,16 @@ class InverseModel:
     def table(self) -> pd.DataFrame:
         """Return the whole posterior table, one row per learned cell, in order of distance and angle.
 
-        Columns: distance [m], angle [rad] (cell centres), support (rows), evidence_probability, and
-        one column per gait.
+        Columns: distance [m], angle [rad] (cell centres), support (rows; all missing, as Int64, in an
+        imported network), evidence_probability, and one column per gait.
         """
         cells = [source.cell for source in self._sources]
+        support = [source.support for source in self._sources]
         frame = pd.DataFrame(
             {
                 "distance": [cell.distance for cell in cells],
                 "angle": [cell.angle for cell in cells],
-                "support": [source.support for source in self._sources],
+                "support": support if self.model.has_counts else pd.array(support, dtype="Int64"),
                 "evidence_probability": self._evidence,
             }
         )
@@ -136,8 +137,7 @@ class InverseModel:
 
     def _source(self, row: int) -> CellPosterior:
         d_bin, a_bin = self._cells[row].tolist()
-        support = int(self.model.joint.support[d_bin, a_bin])
-        cell = self._cell(d_bin, a_bin, None)
+        cell, support = self._cell(d_bin, a_bin, None), self._support((d_bin, a_bin, None))
         return CellPosterior(cell, self.model, self._values[row], float(self._evidence[row]), support)
 
     def _cell(self, d_bin: int, a_bin: int, h_bin: int | None) -> Cell:
@@ -185,7 +185,10 @@ class InverseModel:
                 self._known[key] = CellPosterior(cell, self.model, values, float(total), self._support(key))
         return self._known[key]
 
-    def _support(self, key: tuple[int, int, int | None]) -> int:
+    def _support(self, key: tuple[int, int, int | None]) -> int | None:
+        """Rows that fell into these bins; None where nobody knows."""
+        if not self.model.has_counts:
+            return None
         d_bin, a_bin, h_bin = key
         if h_bin is None:
             return int(self.model.joint.support[d_bin, a_bin])

@@ -42,12 +42,15 @@ class CellPosterior:
     """P(Gait | evidence) of one cell, made once and shared by every answer that uses the cell.
 
     values: read-only float64 [G]; evidence_probability: P(evidence); support: babbled rows in the
-    cell; best: the most probable gait (ties: first in table order); model: the tables it comes from.
+    cell, None if unknown; best: the most probable gait (ties: first in table order); model: the
+    tables it comes from.
     """
 
     __slots__ = ("best", "cell", "evidence_probability", "gaits", "model", "support", "values")
 
-    def __init__(self, cell: Cell, model: ForwardModel, values: np.ndarray, probability: float, support: int) -> None:
+    def __init__(
+        self, cell: Cell, model: ForwardModel, values: np.ndarray, probability: float, support: int | None
+    ) -> None:
         self.model = model
         self.gaits = gaits = model.gaits.names
         self.cell = cell
@@ -87,8 +90,8 @@ class Posterior(NamedTuple):
         return self.source.evidence_probability
 
     @property
-    def support(self) -> int:
-        """Babbled rows that fell into the cell used."""
+    def support(self) -> int | None:
+        """Babbled rows that fell into the cell used; None where nobody knows: in an imported network."""
         return self.source.support
 
     @property
@@ -136,7 +139,8 @@ class Posterior(NamedTuple):
     def __repr__(self) -> str:
         evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())
         best = float(self.values.max())
-        return f"<Posterior: {self.best} {best:.3f} given {evidence}; {self.support} rows>"
+        support = "support unknown" if self.support is None else f"{self.support} rows"
+        return f"<Posterior: {self.best} {best:.3f} given {evidence}; {support}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.axes import EFFECTS, Axis, EffectAxes
-from bayeshunt.errors import BayesHuntError, ModelFileError
+from bayeshunt.errors import BayesHuntError, InputError, ModelFileError
 from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models.counts import MAX_DISTANCE_BINS, JointCounts
@@ -65,7 +65,12 @@ def load(path: str | os.PathLike[str]) -> ForwardModel:
 
 
 def dumps(model: ForwardModel) -> str:
-    """Return the text of the model file: deterministic, one counted cell per line."""
+    """Return the text of the model file: deterministic, one counted cell per line.
+
+    Raises InputError for an imported network, which has no counts to hold.
+    """
+    if not model.has_counts:
+        raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
     content = _content(model)
     seal = {"kind": KIND, "format": FORMAT, "checksum": _checksum(content)}
     head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in seal.items()]

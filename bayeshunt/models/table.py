@@ -15,17 +15,18 @@ class ProbabilityTable:
 
     variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
     probability: columns sum to 1. count: the rows behind each probability.
-    low, high: bounds of each cell's Dirichlet credible interval at ``level``; None where nothing was counted.
+    low, high: bounds of each cell's Dirichlet credible interval at ``level``.
     prior: Dirichlet pseudo-count per cell of the probabilities.
+    In an imported network nobody knows count, low, high and prior: they are None.
     """
 
     variable: str
     probability: pd.DataFrame
-    count: pd.DataFrame
+    count: pd.DataFrame | None
     low: pd.DataFrame | None
     high: pd.DataFrame | None
     level: float
-    prior: float
+    prior: float | None
 
     @property
     def name(self) -> str:
@@ -34,7 +35,8 @@ class ProbabilityTable:
 
     def __repr__(self) -> str:
         bins, columns = self.probability.shape
-        return f"<{self.name}: {bins} x {columns}, {int(self.count.to_numpy().sum())} rows>"
+        rows = "counts unknown" if self.count is None else f"{int(self.count.to_numpy().sum())} rows"
+        return f"<{self.name}: {bins} x {columns}, {rows}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -106,7 +106,7 @@ class Plan:
     nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
     target: where the hunter aims, as it sees it now.
     evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
-    support: babbling rows in that cell; None if not asked.
+    support: babbling rows in that cell; None if not asked, or if unknown (an imported network).
     posterior: P(Gait | target) [G] in table order; None if not asked.
     prey_known: True if the decision rests on what the prey model has observed. False if the planner
         does not ask it, or if it is empty and the prey was taken to stand still.

@@ -60,13 +60,14 @@ def aim(inverse: InverseModel, gaits: tuple[str, ...], target: Polar, **known: A
 def _trace(gaits: tuple[str, ...], answer: Any, target: Polar, best: int) -> pd.DataFrame:
     """One row per gait: its posterior and the learned cell that all of them share."""
     cell = answer.cell
+    unknown = pd.array([None] * len(gaits), dtype="Int64")  # an imported network carries no counts
     return pd.DataFrame(
         {
             "node": np.arange(len(gaits)),
             "gait": list(gaits),
             "posterior": answer.values,
             "evidence_probability": answer.evidence_probability,
-            "support": answer.support,
+            "support": unknown if answer.support is None else answer.support,
             "target_distance": target.distance,
             "target_angle": target.angle,
             "cell_distance": cell.distance,

@@ -9,44 +9,53 @@ from bayeshunt.errors import ZeroCountError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.models.posterior import Posterior
-from bayeshunt.views import svg_map, svg_network
+from bayeshunt.views import grounds, svg_map, svg_network
 from bayeshunt.views.display_html import Html, card, facts, fold, join, number, row, table, tag
 from bayeshunt.views.display_tables import folded_tables
 
 #: What the columns of an explanation are compared with.
 _EXPLAINED = (
     "How each variable speaks for or against a gait: natural logarithm of its probability under this gait "
-    "over that under the reference. The parts add up to the log-odds; −∞: never seen."
+    "over that under the reference. The parts add up to the log-odds; −∞: of probability 0 there."
 )
 
 
 def forward_model(model: ForwardModel) -> Html:
     """Return the network with its marginals, and every table."""
     title = f"Forward model: {model.structure.describe()}"
-    sources = len(model.provenance.get("sources", []))
-    pairs = [
-        ("gaits", len(model.gaits)),
-        ("babbling rows", model.joint.total or "none counted here"),
-        ("bins", ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)),
-        ("prior", f"{number(model.prior)} per cell" if model.prior else "none"),
-        ("P(Gait)", model.gait_prior),
-        ("one gait lasts", f"{model.gaits.duration:g} s"),
-    ]
-    subtitle = (
-        f"learned from {sources} babbling table{'s' if sources != 1 else ''}" if sources else "naive Bayes network"
-    )
+    pairs = [("gaits", len(model.gaits)), ("bins", ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes))]
+    if model.has_counts:
+        pairs[1:1] = [("babbling rows", model.joint.total or "none counted here")]
+        pairs += [
+            ("prior", f"{number(model.prior)} per cell" if model.prior else "none"),
+            ("P(Gait)", model.gait_prior),
+            ("one gait lasts", f"{model.gaits.duration:g} s"),
+        ]
+    else:
+        pairs.append(("counts and intervals", "unknown"))
     try:
         drawn = svg_network.network(model)
         tables = folded_tables([model.table(variable) for variable in (*EFFECTS, "Gait")])
     except ZeroCountError as error:
-        return card(title, subtitle, facts(pairs), tag("div", f"Nothing to show yet: {error}."))
-    return card(title, subtitle, facts(pairs), drawn, tables)
+        return card(title, _origin(model), facts(pairs), tag("div", f"Nothing to show yet: {error}."))
+    return card(title, _origin(model), facts(pairs), drawn, tables)
+
+
+def _origin(model: ForwardModel) -> str:
+    """Where the tables come from."""
+    if not model.has_counts:
+        return f"imported: {grounds.NO_COUNTS}"
+    sources = len(model.provenance.get("sources", []))
+    if sources:
+        return f"learned from {sources} babbling table{'s' if sources != 1 else ''}"
+    return "naive Bayes network" if model.structure.is_naive else f"structure {model.structure.name}"
 
 
 def inverse_model(inverse: InverseModel) -> Html:
     """Return the map of learned coordinates, each in the colour of its most probable gait."""
     names = inverse.model.gaits.names
-    subtitle = f"{len(inverse.table())} learned coordinates; colour: the most probable gait there"
+    places = f"{len(inverse.table())} {grounds.coordinates(inverse.model)}"
+    subtitle = f"{places}; colour: the most probable gait there"
     drawn = tag("div", svg_map.inverse_map(inverse), svg_map.gait_key(names), class_="bh-two")
     return card("Inverse model: P(Gait | Distance, Angle)", subtitle, drawn)
 
@@ -67,13 +76,14 @@ def posterior_facts(answer: Posterior) -> Html:
     if answer.heading is not None:
         asked += f", heading {math.degrees(answer.heading):.1f}°"
     used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
-    nearest = " (nearest; the target itself was never babbled)" if answer.snapped else ""
+    nearest = f" ({grounds.snapped(answer)})" if answer.snapped else ""
+    name = "learned coordinate used" if answer.model.has_counts else "coordinate used"
     return facts(
         [
             ("asked", asked),
-            ("learned coordinate used", used + nearest),
+            (name, used + nearest),
             ("P(evidence)", number(answer.evidence_probability, 4)),
-            ("support", f"{answer.support} babbling rows"),
+            ("support", grounds.support(answer)),
         ]
     )
 

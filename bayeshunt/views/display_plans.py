@@ -10,7 +10,7 @@ import pandas as pd
 
 from bayeshunt.episode import Episode
 from bayeshunt.planners.base import Plan
-from bayeshunt.views import svg_map
+from bayeshunt.views import grounds, svg_map
 from bayeshunt.views.display_html import Html, card, facts, fold, join, number, row, table, tag
 from bayeshunt.views.display_models import bars
 
@@ -33,8 +33,7 @@ def plan(shown: Plan) -> Html:
         pairs.append(("nodes expanded", shown.expansions))
     if shown.evidence_probability is not None:
         pairs.append(("P(evidence)", number(shown.evidence_probability, 4)))
-    if shown.support is not None:
-        pairs.append(("support", f"{shown.support} babbling rows"))
+        pairs.append(("support", grounds.rows(shown.support)))
     known = "the prey model was used" if shown.prey_known else "the prey model was not used"
     where = svg_map.plan_map(shown)
     return card(f"Plan: {shown.gait}", known, facts(pairs), tag("div", where, alternatives(shown), class_="bh-two"))
@@ -148,7 +147,7 @@ def frame_table(frame: pd.DataFrame) -> Html:
         frame = frame.sort_values("chosen", ascending=False, kind="stable")
     rows = []
     for record in frame.head(_MOST_ROWS).to_dict("records"):
-        cells = [number(v) if isinstance(v, float) else str(v) for v in record.values()]
+        cells = ["-" if v is pd.NA else number(v) if isinstance(v, float) else str(v) for v in record.values()]
         rows.append(row(cells[0], cells[1:], lit=bool(record.get("chosen", False))))
     rest = len(frame) - len(rows)
     return join([table(columns, rows), tag("div", f"and {rest} more rows", class_="bh-note") if rest else None])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -21,44 +22,56 @@ _MOST_CELLS = 12_000
 def probability_table(shown: ProbabilityTable) -> Html:
     """Return a table as a display of its own."""
     bins, columns = shown.probability.shape
+    return card(shown.name, f"{bins} x {columns}, {_origin(shown)}", heat_table(shown))
+
+
+def _origin(shown: ProbabilityTable) -> str:
+    if shown.count is None:
+        return "imported: no counts, no intervals"
     prior = f"prior {number(shown.prior)}" if shown.prior else "maximum likelihood (no prior)"
-    subtitle = f"{bins} x {columns}, {int(shown.count.to_numpy().sum())} rows, {prior}"
-    return card(shown.name, subtitle, heat_table(shown))
+    return f"{int(shown.count.to_numpy().sum())} rows, {prior}"
 
 
 def heat_table(shown: ProbabilityTable) -> Html:
-    """Return the heat table of one CPT, with a switch between probabilities and counts."""
-    parts = (shown.probability, shown.count, shown.low, shown.high)
-    arrays = [part.to_numpy() for part in parts if part is not None]
-    kept = _rows_to_show(arrays[0])
+    """Return the heat table of one CPT, with a switch between probabilities and counts where these are known."""
+    values = shown.probability.to_numpy()
+    behind = _behind(shown)
+    kept = _rows_to_show(values)
     labels, columns = list(shown.probability.index), list(shown.probability.columns)
-    totals = arrays[1].sum(axis=0)
-    top = max(float(arrays[0].max()), 1e-300)
+    top = max(float(values.max()), 1e-300)
     rows = []
     for i in kept:
         cells = [
-            _cell(shown, (labels[i], columns[j]), tuple(float(a[i, j]) for a in arrays), totals[j], top)
+            _cell(shown, (labels[i], columns[j]), values[i, j], [a[i, j] for a in behind], top)
             for j in range(len(columns))
         ]
         rows.append(row(labels[i], cells))
-    switch = tag("label", tag("input", type="checkbox"), "show counts", class_="bh-switch")
+    switch = tag("label", tag("input", type="checkbox"), "show counts", class_="bh-switch") if behind else None
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
     body = tag("div", table([shown.variable, *columns], rows, class_="bh-heat"), class_="bh-readout")
     return tag("div", switch, body, note, class_="bh-table")
 
 
-def _cell(shown: ProbabilityTable, place: tuple[str, str], numbers: tuple[float, ...], total: int, top: float) -> Html:
-    p, n, *interval = numbers
+def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
+    """Count, low, high and the total of the column, of every cell [K, G]; none of them where nobody knows."""
+    if shown.count is None or shown.low is None or shown.high is None:
+        return []
+    count = shown.count.to_numpy()
+    return [count, shown.low.to_numpy(), shown.high.to_numpy(), np.broadcast_to(count.sum(axis=0), count.shape)]
+
+
+def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float) -> Html:
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
     column = f" | {place[1]}" if shown.variable != "Gait" else ""
     hint = f"P({given}{column}) = {p:.4f}"
-    if interval:
-        low, high = interval
+    content = [tag("span", probability(p), class_="bh-p")]
+    if behind:
+        n, low, high, total = behind
         hint += f", {100 * shown.level:g} % interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
+        content.append(tag("span", int(n) or "·", class_="bh-n"))
     shade = math.sqrt(p / top)
     zero = "bh-zero" if p == 0 else None
-    content = [tag("span", probability(p), class_="bh-p"), tag("span", int(n) or "·", class_="bh-n")]
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
 
 

@@ -17,6 +17,7 @@ from bayeshunt.models.posterior import Posterior
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.planners.base import Plan
+from bayeshunt.views import grounds
 from bayeshunt.views.display_plans import value_column
 
 _BLOCKS = " ▁▂▃▄▅▆▇█"
@@ -27,22 +28,28 @@ _MOST_NAME = 24
 
 def forward_model(model: ForwardModel) -> str:
     """Return a row per gait: rows, mean outcome, and its three columns as sparklines."""
-    prior = f"prior {model.prior:g}" if model.prior else "maximum likelihood"
-    head = [
-        f"Forward model: {model.structure.describe()}",
-        f"{len(model.gaits)} gaits, {model.joint.total} rows, {prior}, P(Gait) {model.gait_prior}",
-        "",
-    ]
+    head = [f"Forward model: {model.structure.describe()}", f"{len(model.gaits)} gaits, {_origin(model)}", ""]
     try:
         columns = {effect: model.probabilities(effect) for effect in EFFECTS}
     except ZeroCountError as error:
         return "\n".join([*head, f"nothing to show yet: {error}"])
-    counts = model.joint.marginal("Gait")
+    # Of an imported network nobody knows the rows: no column rather than one of zeros.
+    counts = model.joint.marginal("Gait").tolist() if model.has_counts else None
     rows: list[list[str]] = []
     for index, name in enumerate(model.gaits.names):
         sparks = [spark(columns[effect][:, index]) for effect in EFFECTS]
-        rows.append([clean(name), str(int(counts[index])), _outcome(model, index), *sparks])
-    return "\n".join([*head, *align(["gait", "rows", "mean outcome", *EFFECTS], rows, left={0, 2, 3, 4, 5})])
+        counted = [] if counts is None else [str(counts[index])]
+        rows.append([clean(name), *counted, _outcome(model, index), *sparks])
+    names = ["gait", *([] if counts is None else ["rows"]), "mean outcome", *EFFECTS]
+    return "\n".join([*head, *align(names, rows, left={i for i, name in enumerate(names) if name != "rows"})])
+
+
+def _origin(model: ForwardModel) -> str:
+    """What the tables rest on."""
+    if not model.has_counts:
+        return "imported: no counts, no intervals"
+    prior = f"prior {model.prior:g}" if model.prior else "maximum likelihood"
+    return f"{model.joint.total} rows, {prior}, P(Gait) {model.gait_prior}"
 
 
 def _outcome(model: ForwardModel, index: int) -> str:
@@ -59,7 +66,7 @@ def inverse_model(inverse: InverseModel) -> str:
     best = table[list(names)].to_numpy().argmax(axis=1)
     rows = [[clean(name), str(int((best == i).sum()))] for i, name in enumerate(names)]
     lines = align(["gait", "best in"], rows)
-    return "\n".join([f"Inverse model: {len(table)} learned coordinates", "", *lines])
+    return "\n".join([f"Inverse model: {len(table)} {grounds.coordinates(inverse.model)}", "", *lines])
 
 
 def posterior(answer: Posterior) -> str:
@@ -67,34 +74,32 @@ def posterior(answer: Posterior) -> str:
     lines = [f"P(Gait | {', '.join(answer.evidence)})", ""]
     lines += bars(zip(answer.source.gaits, answer.values.tolist(), strict=True))
     used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
-    nearest = " (nearest; the target was never babbled)" if answer.snapped else ""
+    nearest = f" ({grounds.snapped(answer)})" if answer.snapped else ""
     return "\n".join(
         [
             *lines,
             "",
-            f"learned coordinate  {used}{nearest}",
+            f"{grounds.coordinate_used(answer.model):<18}  {used}{nearest}",
             f"P(evidence)         {answer.evidence_probability:.6g}",
-            f"support             {answer.support} babbling rows",
+            f"support             {grounds.support(answer)}",
         ]
     )
 
 
 def probability_table(shown: ProbabilityTable) -> str:
-    """Return the probabilities of the bins that rows fell into; zeros are dots."""
-    values, counts = shown.probability.to_numpy(), shown.count.to_numpy()
-    kept = np.flatnonzero(counts.any(axis=1) | (values.any(axis=1) & (counts.sum() == 0)))[:_MOST_ROWS]
-    labels = list(shown.probability.index)
-    rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i]), str(counts[i].sum())] for i in kept]
-    lines = align([shown.variable, *map(clean, shown.probability.columns), "rows"], rows)
+    """Return the probabilities of the bins that rows fell into, or could; zeros are dots."""
+    values = shown.probability.to_numpy()
+    counts = None if shown.count is None else shown.count.to_numpy().sum(axis=1)
+    kept = np.flatnonzero(values.any(axis=1) if counts is None or not counts.any() else counts)[:_MOST_ROWS]
+    labels, head = list(shown.probability.index), [shown.variable, *map(clean, shown.probability.columns)]
+    rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i])] for i in kept]
     left = len(labels) - len(kept)
-    return "\n".join(
-        [
-            shown.name,
-            "",
-            *lines,
-            *([f"({left} more bins, {counts.sum() - counts[kept].sum()} rows in them)"] if left else []),
-        ]
-    )
+    more = f"{left} more bins"
+    if counts is not None:
+        head.append("rows")
+        rows = [[*row, str(counts[i])] for row, i in zip(rows, kept, strict=True)]
+        more += f", {counts.sum() - counts[kept].sum()} rows in them"
+    return "\n".join([shown.name, "", *align(head, rows), *([f"({more})"] if left else [])])
 
 
 def prey_model(prey: PreyModel) -> str:
@@ -123,7 +128,7 @@ def plan(shown: Plan) -> str:
         f"nodes     {shown.nodes} considered" + (f", {shown.expansions} expanded" if shown.expansions else ""),
     ]
     if shown.evidence_probability is not None:
-        lines.append(f"evidence  P = {shown.evidence_probability:.4g}, {shown.support} babbling rows")
+        lines.append(f"evidence  P = {shown.evidence_probability:.4g}, support {grounds.rows(shown.support)}")
     trace = shown.trace
     name, unit = value_column(trace.columns)
     if {"node", "parent", "chosen", "T"} <= set(trace.columns) and name is not None:

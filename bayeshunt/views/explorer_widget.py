@@ -13,6 +13,7 @@ from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.models.posterior import Posterior
+from bayeshunt.views import grounds
 from bayeshunt.views.pages import asset, number
 
 #: Outcomes less probable than this share of the most probable one are not drawn.
@@ -76,18 +77,21 @@ def _check(distance: float, angle: float) -> None:
 
 
 def _scene(inverse: InverseModel) -> dict[str, Any]:
-    """The robot, its gaits' mean paths [forward, right] in metres, and the bins of the learned cells."""
-    model = inverse.model
-    table = inverse.table()
-    axes = model.axes
+    """The robot, its gaits' mean paths [forward, right] in metres, and the cells that can answer.
+
+    cells: [distance bin, angle bin, support], the support None where nobody knows.
+    """
+    model, table = inverse.model, inverse.table()
+    axes, counted = model.axes, model.has_counts
     cells = [
-        [int(axes.distance.index(float(d))), int(axes.angle.index(float(a))), int(support)]
+        [int(axes.distance.index(float(d))), int(axes.angle.index(float(a))), int(support) if counted else None]
         for d, a, support in zip(table["distance"], table["angle"], table["support"], strict=True)
     ]
     return {
         "gaits": list(model.gaits.names),
         "paths": [_path(model, gait) for gait in range(len(model.gaits))],
         "cells": cells,
+        "counted": counted,
         "radius": model.gaits.body_length / 2,
         "distance_width": axes.distance.width,
         "angle_bins": axes.angle.bins,
@@ -98,7 +102,7 @@ def _scene(inverse: InverseModel) -> dict[str, Any]:
 
 def _path(model: ForwardModel, gait: int) -> list[list[float | None]]:
     """Points [forward, right] of a gait's mean path; its end alone where no path was babbled; none if never babbled."""
-    if not model.joint.marginal("Gait")[gait]:
+    if model.has_counts and not model.joint.marginal("Gait")[gait]:
         return []
     if model.mean_paths is not None:
         return [[number(v, 4) for v in pose[:2]] for pose in model.mean_paths[gait].tolist()]
@@ -113,6 +117,7 @@ def _describe(inverse: InverseModel, answer: Posterior) -> dict[str, Any]:
         "best": answer.best,
         "evidence_probability": answer.evidence_probability,
         "support": answer.support,
+        "rows": grounds.support(answer),
         "snapped": answer.snapped,
         "cell": [answer.cell.distance_bin, answer.cell.angle_bin],
         "labels": [answer.cell.distance_label, answer.cell.angle_label],

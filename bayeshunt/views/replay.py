@@ -22,6 +22,7 @@ from bayeshunt.files import write_text
 from bayeshunt.geometry import Polar, Pose, wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.settings import parse
+from bayeshunt.views import grounds
 from bayeshunt.views.commands import hunt_command
 from bayeshunt.views.pages import embed, number, render
 
@@ -123,7 +124,7 @@ def _bars(row: dict[str, Any], settings: ExperimentSettings) -> dict[str, Any]:
             "kind": "posterior",
             "title": "Posterior over gaits",
             "caption": f"P(Gait | Distance, Angle) at the aim: P(evidence) {row['evidence_probability']:.3g}, "
-            f"{row['support']} babbled {'row' if row['support'] == 1 else 'rows'}, "
+            f"support {grounds.rows(row['support'])}, "
             f"entropy {abs(row['posterior_entropy']):.2f} nats",
             "gaits": list(settings.robot.gaits.names),
             "values": [number(p) for p in row["posterior"]],

@@ -11,7 +11,7 @@ import numpy as np
 from bayeshunt.episode import Episode
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.planners.base import Plan
-from bayeshunt.views import svg, theme
+from bayeshunt.views import grounds, svg, theme
 from bayeshunt.views.display_html import Html, tag
 
 _MARGIN = 26
@@ -125,7 +125,8 @@ def inverse_map(inverse: InverseModel) -> Html:
     window = Window.around([0.0, *right], [0.0, *ahead], size=420)
     parts = []
     for distance, angle, support, gait in zip(table["distance"], table["angle"], table["support"], best, strict=True):
-        hint = f"{distance * 1000:.0f} mm, {math.degrees(angle):.0f} deg: {names[gait]}, {support} rows"
+        place = f"{distance * 1000:.0f} mm, {math.degrees(angle):.0f} deg"
+        hint = f"{place}: {names[gait]}, support {grounds.rows(support)}"
         parts.append(
             _sector(window, distance, angle, axes.distance.width, axes.angle.width, theme.gait_colour(gait), hint)
         )

@@ -216,6 +216,8 @@ def _cells(row: dict[str, Any]) -> list[str]:
 
 def posterior_bars(answer: Any) -> None:
     """Print a posterior over gaits as bars, with what it rests on."""
+    from bayeshunt.views import grounds
+
     cell = answer.cell
     out.print(Text("P(Gait | Distance, Angle" + (", Heading)" if cell.heading_label else ")"), style="bold"))
     table = Table(box=None, show_header=False, pad_edge=False)
@@ -226,11 +228,12 @@ def posterior_bars(answer: Any) -> None:
         style = "bold" if gait == answer.best else None
         table.add_row(Text(str(gait)), _bar(float(probability)), f"{probability:.4f}", style=style)
     out.print(table)
-    out.print(f"learned coordinate   {', '.join(f'{k} {v}' for k, v in answer.evidence.items())}")
+    used = ", ".join(f"{k} {v}" for k, v in answer.evidence.items())
+    out.print(f"{grounds.coordinate_used(answer.model):<18}   {used}")
     if answer.snapped:
-        out.print("                     (nearest to the target, which was never babbled)")
+        out.print(f"                     ({grounds.snapped(answer)})")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
-    out.print(f"support              {answer.support} babbling rows")
+    out.print(f"support              {grounds.support(answer)}")
 
 
 def explanation_table(answer: Any) -> None:
@@ -249,7 +252,8 @@ def explanation_table(answer: Any) -> None:
         numbers = ("never" if row[part] == -math.inf else f"{row[part]:+.2f}" for part in parts)
         table.add_row(Text(str(gait)), Text(str(row["reference"])), *numbers, style=style)
     out.print(table)
-    out.print("Natural logarithms of ratios; the parts add up to the log-odds. never: not seen there.", style="dim")
+    never = "not seen there" if answer.model.has_counts else "of probability 0 there"
+    out.print(f"Natural logarithms of ratios; the parts add up to the log-odds. never: {never}.", style="dim")
 
 
 def _bar(share: float) -> str:

@@ -65,7 +65,7 @@ def assert_bars_show(page, row, gaits):
     if row["posterior"] is not None:
         assert page.locator("[data-part=bars-title]").inner_text() == "Posterior over gaits"
         expected = dict(zip(gaits, row["posterior"], strict=True))
-        assert f"{row['support']} babbled" in caption
+        assert f"support {row['support']} babbling" in caption
         assert f"{row['evidence_probability']:.3g}" in caption
     else:
         assert page.locator("[data-part=bars-title]").inner_text() == "Values of the first gaits"

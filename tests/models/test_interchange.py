@@ -123,20 +123,44 @@ def test_an_import_plans_and_hunts(pair) -> None:
 def test_an_import_says_what_it_lacks(pair, tmp_path: Path, khepera_frame) -> None:
     imported = bh.import_network(pair[1])
     for action in (
-        lambda: imported.save(tmp_path / "model.json"),
+        lambda: imported.counts("Angle"),
+        lambda: imported.rows("Angle", 0),
+        lambda: imported.with_data(khepera_frame),
         lambda: imported.update(khepera_frame),
         lambda: imported.credible_interval("Angle"),
+        lambda: imported.save(tmp_path / "model.json"),
+        lambda: bh.evaluate("paper", runs=1, model=imported, out=tmp_path / "results"),
     ):
-        with pytest.raises(bh.InputError, match="no counts"):
+        with pytest.raises(bh.InputError, match=r"^an imported network has (probabilities but )?no counts") as caught:
             action()
-    with pytest.raises(bh.DataError, match="tables, not rows"):
-        imported.rows("Angle", 0)
-    assert bh.InverseModel(imported).posterior(0.15, 0.3).support == 0
-    assert imported.table("Angle").low is None
+        assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
     again = pickle.loads(pickle.dumps(imported))
     assert again == imported
     assert hash(again) == hash(imported)
     assert imported != pair[0]
+
+
+def test_the_support_of_an_import_is_unknown(pair) -> None:
+    model, imported = pair[0], bh.import_network(pair[1])
+    ours, theirs = bh.InverseModel(model), bh.InverseModel(imported)
+    for target in TARGETS:
+        assert type(ours.posterior(*target).support) is int
+        assert theirs.posterior(*target).support is None
+    assert ours.table()["support"].dtype == np.int64
+    table = theirs.table()
+    assert table["support"].dtype == pd.Int64Dtype()
+    assert table["support"].isna().all()
+    assert repr(theirs.posterior(0.15, 0.3)).endswith("support unknown>")
+
+
+def test_the_tables_of_an_import_have_probabilities_alone(pair) -> None:
+    imported = bh.import_network(pair[1])
+    for variable in ("Gait", "Distance", "Angle", "Heading"):
+        table = imported.table(variable)
+        assert (table.count, table.low, table.high, table.prior) == (None,) * 4
+        assert table.probability.equals(imported.cpt(variable))
+        assert "counts unknown" in repr(table)
 
 
 def test_the_expected_pose_of_an_import_is_within_a_bin(pair) -> None:

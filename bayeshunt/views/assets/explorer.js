@@ -64,10 +64,11 @@ function drawGround(svg, plane) {
     label.textContent = step < 1 ? `${Math.round(1000 * radius)} mm` : `${radius.toFixed(1)} m`;
   }
   const learned = shape("g", { class: "learned" }, svg);
-  const most = Math.max(...scene.cells.map((cell) => cell[2]));
+  const most = scene.cells.reduce((largest, cell) => Math.max(largest, cell[2]), 1);
   for (const [distance, angle, support] of scene.cells) {
     const [x, y] = plane.centre(distance, angle);
-    shape("circle", { cx: x, cy: y, r: 0.8 + 1.6 * Math.sqrt(support / most) }, learned);
+    // where nobody knows how many rows there were, all dots are alike
+    shape("circle", { cx: x, cy: y, r: support === null ? 1.2 : 0.8 + 1.6 * Math.sqrt(support / most) }, learned);
   }
 }
 
@@ -132,8 +133,10 @@ function buildSide(side, scene) {
     return { row, bar, value: element("td", "", "value", row) };
   });
   const list = element("dl", undefined, "", side);
+  // an imported network has learned nothing: its cells are those of positive probability
+  const cell = scene.counted ? "learned cell" : "cell used";
   const facts = Object.fromEntries(["target", "learned cell", "P(evidence)", "support"].map((name) => {
-    element("dt", name, "", list);
+    element("dt", name === "learned cell" ? cell : name, "", list);
     const value = element("dd", "", "", list);
     value.dataset.fact = name;
     return [name, value];
@@ -141,8 +144,8 @@ function buildSide(side, scene) {
   const legend = element("ul", undefined, "legend", side);
   const marks = {
     "target": '<circle class="target-grip" cx="10" cy="6" r="5"/>',
-    "learned cell used": '<rect class="cell" x="5" y="1.5" width="10" height="9"/>',
-    "learned coordinates": '<circle class="learned" cx="10" cy="6" r="2"/>',
+    [scene.counted ? "learned cell used" : cell]: '<rect class="cell" x="5" y="1.5" width="10" height="9"/>',
+    [scene.counted ? "learned coordinates" : "coordinates of positive probability"]: '<circle class="learned" cx="10" cy="6" r="2"/>',
     "mean paths of the gaits": '<path class="path best" d="M1 9Q10 2 19 5"/>',
     "predicted outcome": '<rect class="outcome" x="4" y="1" width="12" height="10" fill-opacity="0.45"/>',
   };
@@ -162,7 +165,7 @@ function buildSide(side, scene) {
     facts.target.textContent = `${(1000 * distance).toFixed(0)} mm at ${degrees(wrap(angle))}`;
     facts["learned cell"].textContent = `${answer.labels[0]}, ${answer.labels[1]}${answer.snapped ? " (nearest)" : ""}`;
     facts["P(evidence)"].textContent = answer.evidence_probability.toPrecision(4);
-    facts.support.textContent = `${answer.support} babbled ${answer.support === 1 ? "row" : "rows"}`;
+    facts.support.textContent = answer.rows;
   };
 }
 

@@ -1,0 +1,44 @@
+"""What an answer rests on, in the same words in every display; what nobody knows is said to be unknown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+if TYPE_CHECKING:
+    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.posterior import Posterior
+
+#: Why nothing is known of the rows behind an imported network.
+NO_COUNTS = "an imported network carries no counts"
+
+
+def rows(support: Any) -> str:
+    """Return "113 babbling rows", or "unknown" for None and for the missing value of a table."""
+    if pd.isna(support):
+        return "unknown"
+    return f"{int(support)} babbling {'row' if support == 1 else 'rows'}"
+
+
+def support(answer: Posterior) -> str:
+    """Return how many rows an answer rests on; where nobody knows, why."""
+    words = rows(answer.support)
+    return words if answer.model.has_counts else f"{words}: {NO_COUNTS}"
+
+
+def snapped(answer: Posterior) -> str:
+    """Return why another coordinate than the target's own answers, "" if its own does."""
+    if not answer.snapped:
+        return ""
+    return "nearest; the target itself " + ("was never babbled" if answer.model.has_counts else "has probability 0")
+
+
+def coordinates(model: ForwardModel) -> str:
+    """Return what the coordinates are that can answer."""
+    return "learned coordinates" if model.has_counts else "coordinates of positive probability"
+
+
+def coordinate_used(model: ForwardModel) -> str:
+    """Return the name of the coordinate that answered."""
+    return "learned coordinate" if model.has_counts else "coordinate used"
