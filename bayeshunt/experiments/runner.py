@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -81,7 +82,7 @@ def evaluate(
         database = None
         if out is not None:
             folder = check_output_folder(out)
-            stack.enter_context(FolderLock(folder, f"watch it with: bayeshunt status {folder}"))
+            stack.enter_context(FolderLock(folder, f"watch it with: bayeshunt status {shlex.quote(str(folder))}"))
             given = None if model is None else fingerprint(model_files.dumps(model))
             asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))
@@ -109,7 +110,7 @@ def _open_or_create(
             return database
         database.__exit__()
         raise ResultsError(f"{folder} holds another experiment: {difference}; choose another --out")
-    check_same_export(folder, settings, asked.seed)
+    check_same_export(folder, settings, asked.seed, asked.planners, asked.arenas)
     if model is None:
         model = learn_model(settings, asked.seed)
         check_minds(asked.planners, model, settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -56,7 +57,8 @@ def status(folder: str | os.PathLike[str]) -> Status:
     running = is_locked(path)
     database = HuntDatabase.open(path, read_only=True)
     if database is None:
-        raise ResultsError(f"{path}: no {DATABASE_FILE} here; start one with: bayeshunt evaluate --out {path}")
+        line = f"bayeshunt evaluate --out {shlex.quote(str(path))}"
+        raise ResultsError(f"{path}: no {DATABASE_FILE} here; start one with: {line}")
     with database:
         identity = database.identity
         protocol = identity.settings["protocol"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,7 @@ SUMMARY_MARKDOWN = "summary.md"
 #: What the mark * beside a planner says.
 NOT_AB_INITIO = "Not ab initio: it was given more than it learns within the run (a bound, or earlier experience)."
 _KIND = "results"
+_NAMED = ("planner", "arena")  # columns that say what was evaluated
 
 
 def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> dict[str, Any]:
@@ -89,18 +92,21 @@ def _missing(folder: Path) -> str:
     from bayeshunt.experiments.status import status
 
     if not (folder / DATABASE_FILE).is_file():
-        return f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {folder}"
+        return f"{folder}: no {HUNTS_FILE} here; make one with: bayeshunt evaluate --out {shlex.quote(str(folder))}"
     found = status(folder)
     done = f"{folder}: {found.ended} of {found.planned} hunts are done"
     return f"{done}, and it is running" if found.running else f"{done}; give the same evaluate line again to go on"
 
 
-def check_same_export(folder: Path, settings: ExperimentSettings, seed: int) -> None:
+def check_same_export(
+    folder: Path, settings: ExperimentSettings, seed: int, planners: Sequence[str], arenas: Sequence[str]
+) -> None:
     """Raise ResultsError if ``folder`` holds exported results of another experiment, which would be replaced."""
     if not (folder / HUNTS_FILE).exists():
         return
-    record = load_results(folder).attrs
-    if record.get("seed") != seed or record.get("settings") != json.loads(settings.model_dump_json()):
+    frame = load_results(folder)
+    there = [frame.attrs.get("settings"), frame.attrs.get("seed"), *(list(frame[k].unique()) for k in _NAMED)]
+    if there != [json.loads(settings.model_dump_json()), seed, list(planners), list(arenas)]:
         raise ResultsError(f"{folder / HUNTS_FILE} holds results of another experiment; choose another --out")
 
 

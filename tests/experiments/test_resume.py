@@ -173,8 +173,9 @@ def test_a_file_that_a_planner_uses_is_part_of_the_experiment(tmp_path):
 def test_exported_results_of_another_experiment_are_not_overwritten(small, tmp_path):
     small(out=tmp_path)
     (tmp_path / DATABASE_FILE).unlink()
-    with pytest.raises(ResultsError, match="results of another experiment"):
-        small(out=tmp_path, seed=5)
+    for change in ({"seed": 5}, {"runs": 3}, {"planners": ["reactive"]}, {"arenas": ["walled"]}):
+        with pytest.raises(ResultsError, match="results of another experiment"):
+            small(out=tmp_path, **change)
     small(out=tmp_path)  # the same experiment may make its own again
 
 
@@ -249,6 +250,16 @@ def test_a_folder_that_cannot_be_made_is_one_line(small, tmp_path):
 def test_status_of_a_folder_without_hunts(tmp_path):
     with pytest.raises(ResultsError, match=f"no {DATABASE_FILE} here; start one with: bayeshunt evaluate"):
         status(tmp_path)
+
+
+def test_suggested_lines_can_be_pasted_whatever_the_folder_is_called(small, tmp_path):
+    folder = tmp_path / "my results"
+    for reader in (status, load_results):
+        with pytest.raises(InputError, match=f"with: bayeshunt evaluate --out '{folder}'$"):
+            reader(folder)
+    folder.mkdir()
+    with FolderLock(folder), pytest.raises(FolderInUseError, match=f"watch it with: bayeshunt status '{folder}'$"):
+        small(out=folder)
 
 
 def test_status_counts_by_planner(small, tmp_path):
