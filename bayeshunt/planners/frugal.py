@@ -11,8 +11,8 @@ import numpy as np
 from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Plan, Situation, check_request, predict_prey
-from bayeshunt.planners.capture import CapturePaths, PreyPaths
-from bayeshunt.planners.omniscient import capture_plan, check_search
+from bayeshunt.planners.capture import PreyPaths
+from bayeshunt.planners.sequences import SequenceHunter, capture_plan
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class CostWeights:
         return self.time * time + self.distance * distance + self.transitions * transitions + self.planning * planning
 
 
-class Frugal:
+class Frugal(SequenceHunter):
     """The gait sequence of least cost: capture time, distance, gait transitions and planning time, weighed.
 
     The prey is predicted by the mean transition seen in this run (before any: it moves straight on as
@@ -53,8 +53,13 @@ class Frugal:
     than the last step further has gained (the first: than there is to gain): nodes x
     ``seconds_per_node`` x the price of planning.
 
-    time, distance, transitions, planning: the weights (:class:`CostWeights`). depth, max_transitions,
-    margin, catch_distance: as in :class:`~bayeshunt.planners.omniscient.Omniscient`. ``rng`` is not used.
+    time: cost of a second until the catch, >= 0. distance: cost of a metre travelled, >= 0; time or distance
+    must cost something. transitions: cost of a change of gait, >= 0. planning: cost of a second of planning, >= 0.
+    seconds_per_node: seconds that considering one sequence takes, >= 0.
+    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
+    margin: share of the catch distance that a planned capture must come within, so that a little noise
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    ``rng`` is not used.
     """
 
     name = "frugal"
@@ -73,16 +78,13 @@ class Frugal:
         margin: float = 0.9,
         catch_distance: float = 1.02,
     ) -> None:
-        check_search("frugal", depth, max_transitions, margin, catch_distance)
+        super().__init__(model, depth, max_transitions, margin, catch_distance)
         self.weights = CostWeights(time, distance, transitions, planning)
         if isinstance(seconds_per_node, bool) or not (
             isinstance(seconds_per_node, (int, float)) and 0 <= seconds_per_node < math.inf
         ):
             raise InputError(f"frugal: seconds_per_node must be a number of at least 0, got {seconds_per_node!r}")
         self.seconds_per_node = float(seconds_per_node)
-        self.margin, self.catch_distance = float(margin), float(catch_distance)
-        self.gaits = tuple(model.gaits.names)
-        self.paths = CapturePaths(model, depth, max_transitions)
         tree = self.paths.tree
         self._lengths = np.zeros(len(tree.steps))  # metres along the whole sequence
         for step in range(1, depth + 1):
@@ -95,7 +97,7 @@ class Frugal:
         check_request(situation, rng)
         paths, known = self.paths, not situation.prey_model.is_empty
         prey = self._prey(situation)
-        reach = self.margin * self.catch_distance * situation.body_length
+        reach = self.reach(situation)
         caught = paths.first_captures(prey, reach)[0]
         values = np.full(len(paths.tree.steps), np.inf)
         best = math.inf

@@ -16,8 +16,8 @@ from bayeshunt.geometry import Polar, Pose
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.memory import PreyMemory, TransitionTables
 from bayeshunt.planners.base import Plan, Situation, check_request
-from bayeshunt.planners.capture import CapturePaths, PreyPaths
-from bayeshunt.planners.omniscient import capture_plan, check_search
+from bayeshunt.planners.capture import PreyPaths
+from bayeshunt.planners.sequences import SequenceHunter, capture_plan
 from bayeshunt.planners.steering import prey_track
 
 
@@ -38,7 +38,7 @@ class _Expert(NamedTuple):
     general: TransitionTables
 
 
-class Memory:
+class Memory(SequenceHunter):
     """Earliest expected capture against a prey predicted by several experts: this run and earlier ones.
 
     One expert is the table of the transitions seen in this run (before any, a prey that moves as the
@@ -54,9 +54,12 @@ class Memory:
     first capture, or of its end time + time to go. The trace holds the weight of every expert.
 
     tables: a :class:`PreyMemory` or the path of one (``bayeshunt remember --out FILE``). believe: prior
-    weight of memory, in [0, 1], shared equally by its arenas. smoothing: transitions. paths: prey paths
-    sampled. margin: share of the catch distance aimed for. The others as in
-    :class:`~bayeshunt.planners.omniscient.Omniscient`. ``rng`` samples the paths.
+    weight of memory, in [0, 1]; its arenas share it equally. smoothing: how many observed transitions the
+    table fallen back on is worth, > 0. paths: prey paths sampled, >= 1.
+    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
+    margin: share of the catch distance that a planned capture must come within, so that a little noise
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    ``rng`` samples the paths.
     """
 
     name = "memory"
@@ -78,14 +81,11 @@ class Memory:
         catch_distance: float = 1.02,
     ) -> None:
         name, kind = self.name, self.kind
-        check_search(name, depth, max_transitions, margin, catch_distance)
         _check(name, tables, believe, smoothing, paths)
+        super().__init__(model, depth, max_transitions, margin, catch_distance)
         memory = tables if isinstance(tables, PreyMemory) else PreyMemory.load(tables)  # type: ignore[arg-type]
         self.experts = [_Expert(arena, kinds[kind], kinds["all"]) for arena, kinds in memory.tables.items()]
         self.believe, self.smoothing, self.samples = float(believe), float(smoothing), int(paths)
-        self.margin, self.catch_distance = float(margin), float(catch_distance)
-        self.gaits = tuple(model.gaits.names)
-        self.paths = CapturePaths(model, depth, max_transitions)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of earliest expected capture."""
@@ -95,12 +95,12 @@ class Memory:
         own = TransitionTables("all", some.axes, some.place_size)
         weights = self._weigh(situation, own)
         prey = self._sample(situation, own, weights, rng)
-        reach = self.margin * self.catch_distance * situation.body_length
-        leaves = np.arange(paths.layers[-2], paths.layers[-1])
+        reach = self.reach(situation)
         times = paths.first_captures(prey, reach)
         for step in range(2, paths.depth + 1):
             new = slice(paths.layers[step], paths.layers[step + 1])
             np.minimum(times[:, new], times[:, paths.tree.parents[new]], out=times[:, new])
+        leaves = self.leaves
         caught = times[:, leaves]
         onward = paths.depth * paths.duration + paths.times_to_go(leaves, prey, reach, paths.turn_price)
         values = np.full(len(paths.tree.steps), np.inf)

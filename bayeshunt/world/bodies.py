@@ -23,7 +23,8 @@ from bayeshunt.world.noise import actuator_factors
 class Drive:
     """A disc with two actuators that are tracked under rate limits and carry noise.
 
-    Subclasses say how the two actuators move the body (:meth:`_twist`); the actuators start at rest.
+    Subclasses say how fast the two actuators may change (:meth:`_rate_limits`), which lengths of the body
+    they need (:meth:`_measure`) and how the actuators move it (:meth:`_twist`); the actuators start at rest.
     """
 
     __slots__ = (
@@ -51,6 +52,7 @@ class Drive:
             fixtures=fixture, allowSleep=False, linearDamping=0.0, angularDamping=0.0, bullet=False
         )
         self.unit = unit
+        self._measure(settings)
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body
         self._factors: Iterator[tuple[float, float]] = actuator_factors(noise, physics.control_interval, rng)
@@ -60,6 +62,9 @@ class Drive:
         self.factor_a = self.factor_b = 1.0
         self.speed = self.turn = self.vx = self.vy = self._angular_sent = 0.0
         self.moving = False  # an actuator has not reached its target yet
+
+    def _measure(self, settings: BodySettings) -> None:
+        """Keep what :meth:`_twist` needs of the body; ``self.unit`` is known by then."""
 
     def _rate_limits(self, settings: BodySettings, step: float) -> tuple[float, float]:
         """Largest change of each actuator in one physics step."""
@@ -144,8 +149,7 @@ class DifferentialDrive(Drive):
 
     __slots__ = ("_half_inverse_unit", "_inverse_axle")
 
-    def __init__(self, world: Any, settings: BodySettings, *args: Any) -> None:
-        super().__init__(world, settings, *args)
+    def _measure(self, settings: BodySettings) -> None:
         self._half_inverse_unit = 0.5 / self.unit
         self._inverse_axle = 1.0 / settings.axle
 
@@ -162,8 +166,7 @@ class CarDrive(Drive):
 
     __slots__ = ("_inverse_unit", "_inverse_wheelbase")
 
-    def __init__(self, world: Any, settings: BodySettings, *args: Any) -> None:
-        super().__init__(world, settings, *args)
+    def _measure(self, settings: BodySettings) -> None:
         self._inverse_unit = 1.0 / self.unit
         self._inverse_wheelbase = 1.0 / settings.wheelbase
 
