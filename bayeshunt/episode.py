@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 from dataclasses import dataclass
@@ -11,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from bayeshunt import displays
+from bayeshunt import displays, sealed
 from bayeshunt.errors import DataError
-from bayeshunt.files import check_source, replace_atomically
+from bayeshunt.files import check_source
 from bayeshunt.geometry import Polar
 from bayeshunt.tables import entropy
 
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from bayeshunt.config import ExperimentSettings
     from bayeshunt.planners.base import Plan, Situation
 
-_KEY = b"bayeshunt"
 _KIND = "episode"
 _MAKER = "bayeshunt hunt"
 _TRAIL = ("time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta")
@@ -181,30 +179,26 @@ class Episode:
         return displays.to_html(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table, the trail and the provenance as one Parquet file, replaced atomically."""
+        """Write the table, the trail and the provenance as one Parquet file with checksums, replaced atomically."""
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
         record = {**self.provenance, "trail": {c: self.trail[c].tolist() for c in self.trail}}
-        table = pa.Table.from_pandas(self.frame, preserve_index=False)
-        table = table.replace_schema_metadata({_KEY: json.dumps(record, sort_keys=True).encode()})
-        with replace_atomically(path) as temporary:
-            pq.write_table(table, temporary, compression="zstd")
+        table = pa.Table.from_pandas(self.frame, preserve_index=False).replace_schema_metadata(None)
+        sealed.write(table, record, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Episode:
-        """Read an episode; DataError in one line if the file is missing, damaged or something else."""
-        import pyarrow as pa
-        import pyarrow.parquet as pq
+        """Read an episode; DataError in one line if the file is missing, damaged or something else.
 
-        name = os.fspath(path)
+        Files of versions that wrote no checksums are read as they are.
+        """
         check_source(path, _MAKER, DataError)
+        mend = f"give a file made by: {_MAKER} --out"
+        table, record = sealed.read(path, what="an episode", mend=mend)
         try:
-            table = pq.read_table(path, partitioning=None)
-            record = json.loads((table.schema.metadata or {})[_KEY])
-            trail = pd.DataFrame(record.pop("trail"), columns=list(_TRAIL))
-            if record.get("kind") != _KIND:
+            if record is None or record["kind"] != _KIND:
                 raise KeyError("kind")
+            trail = pd.DataFrame(record.pop("trail"), columns=list(_TRAIL))
             return cls(record["caught"], record["time"], table.to_pandas(), trail, record)
-        except (pa.ArrowException, OSError, ValueError, KeyError, TypeError):  # they speak of Parquet and Python
-            raise DataError(f"{name}: not an episode, or damaged; give a file made by: {_MAKER} --out") from None
+        except (ValueError, KeyError, TypeError):  # they speak of Python
+            raise DataError(f"{os.fspath(path)}: not an episode, or damaged; {mend}") from None

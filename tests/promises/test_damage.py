@@ -16,12 +16,15 @@ import numpy as np
 import pytest
 
 from bayeshunt import dataset
+from bayeshunt.episode import Episode
 from bayeshunt.errors import BayesHuntError
 from bayeshunt.experiments.database import DATABASE_FILE, HuntDatabase
 from bayeshunt.experiments.identity import Identity
 from bayeshunt.experiments.runner import evaluate
 from bayeshunt.experiments.store import HUNTS_FILE, load_results
+from bayeshunt.hunting import hunt
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
 pytestmark = pytest.mark.slow
@@ -128,6 +131,20 @@ def test_data_sets(tmp_path, khepera_frame, figure):
     refused, equal = outcomes(path, dataset.load, lambda frame: frame.equals(whole) and frame.attrs == whole.attrs)
     assert refused > 0.9 * CASES
     figure(f"d. {CASES} corrupted data sets: {refused} refused in one line, {equal} without a difference")
+
+
+def test_episodes(tmp_path, khepera_model, figure):
+    path = tmp_path / "e.parquet"
+    hunt("paper", make_planner("planning", khepera_model), arena="walled", theta=3.0, seed=2).save(path)
+    whole = Episode.load(path)
+
+    def same(loaded):
+        texts = [(repr(e.frame.to_dict("list")), repr(e.trail.to_dict("list")), e.provenance) for e in (loaded, whole)]
+        return texts[0] == texts[1]
+
+    refused, equal = outcomes(path, Episode.load, same)
+    assert refused > 0.9 * CASES
+    figure(f"d. {CASES} corrupted episodes: {refused} refused in one line, {equal} without a difference")
 
 
 def test_exported_results(tmp_path, khepera_model, figure):
