@@ -55,12 +55,17 @@ def _check_cells(structure: Structure, shape: Sequence[int]) -> None:
 
 
 def multiply(
-    structure: Structure, factors: Mapping[str, np.ndarray], keep: Sequence[str], sizes: Mapping[str, int]
+    structure: Structure,
+    factors: Mapping[str, np.ndarray],
+    keep: Sequence[str],
+    sizes: Mapping[str, int],
+    shares: Mapping[str, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Return P(kept effects | causes) as one array over ``keep``, in that order.
+    """Return P(kept effects | kept causes) as one array over ``keep``, in that order.
 
-    keep: causes, at least those of the structure, and any effects; effects left out are summed over.
+    keep: causes and any effects; effects left out are summed over.
     sizes: number of states of each variable. A cause without an edge changes nothing along its axis.
+    shares: P(cause) of each cause of the structure that is not kept: it is summed over.
     """
     operands = [factors[effect] for effect in EFFECTS]
     subscripts = ["".join(_LETTERS[v] for v in (effect, *structure.parents(effect))) for effect in EFFECTS]
@@ -68,6 +73,9 @@ def multiply(
         if cause in CAUSES:
             operands.append(np.ones(sizes[cause]))
             subscripts.append(_LETTERS[cause])
+    for cause, share in (shares or {}).items():
+        operands.append(share)
+        subscripts.append(_LETTERS[cause])
     expression = ",".join(subscripts) + "->" + "".join(_LETTERS[v] for v in keep)
     return np.einsum(expression, *operands, optimize="greedy")
 
@@ -84,7 +92,7 @@ class IndependentEffects:
     """The paper's model: Distance, Angle and Heading independent given the gait; read-only."""
 
     def __init__(self, joint: JointCounts, prior: float) -> None:
-        self.local = {e: tables.normalise(joint.marginal(e), prior, name=e) for e in EFFECTS}
+        self.local = _sealed({e: tables.normalise(joint.marginal(e), prior, name=e) for e in EFFECTS})
 
     @classmethod
     def of_tables(cls, local: dict[str, np.ndarray]) -> IndependentEffects:
@@ -120,7 +128,8 @@ class IndependentEffects:
 class JointEffects:
     """Any other network, compiled into P(Distance, Angle, Heading | Gait); read-only.
 
-    structure: must not depend on the gait before. table: counts over (Gait, Distance, Angle, Heading).
+    structure: must not depend on the gait before (else :meth:`of_tables`, which sums over it).
+    table: counts over (Gait, Distance, Angle, Heading).
     prior: Dirichlet pseudo-count per cell of the network's own tables, >= 0.
 
     Raises ZeroCountError if some parents of positive probability were never seen together and the
@@ -132,16 +141,31 @@ class JointEffects:
         self._compile(structure, local_tables(structure, table, prior), table.sizes)
 
     @classmethod
-    def of_tables(cls, structure: Structure, local: dict[str, np.ndarray], sizes: Sequence[int]) -> JointEffects:
-        """Return the model of given tables; ``sizes``: states of Gait, Distance, Angle, Heading."""
+    def of_tables(
+        cls,
+        structure: Structure,
+        local: dict[str, np.ndarray],
+        sizes: Sequence[int],
+        shares: Mapping[str, np.ndarray] | None = None,
+    ) -> JointEffects:
+        """Return the model of given tables; ``sizes``: states of Gait, Distance, Angle, Heading.
+
+        shares: P(PreviousGait) under that name, where the structure depends on it; it is summed over.
+        """
         _check_cells(structure, sizes)
         effects = cls.__new__(cls)
-        effects._compile(structure, local, sizes)
+        effects._compile(structure, local, sizes, shares)
         return effects
 
-    def _compile(self, structure: Structure, local: dict[str, np.ndarray], sizes: Sequence[int]) -> None:
-        self.local, names = local, ("Gait", *EFFECTS)
-        self.joint = multiply(structure, local, names, dict(zip(names, sizes, strict=True)))  # [G, D, A, H]
+    def _compile(
+        self,
+        structure: Structure,
+        local: dict[str, np.ndarray],
+        sizes: Sequence[int],
+        shares: Mapping[str, np.ndarray] | None = None,
+    ) -> None:
+        self.local, names = _sealed(local), ("Gait", *EFFECTS)
+        self.joint = multiply(structure, local, names, dict(zip(names, sizes, strict=True)), shares)  # [G, D, A, H]
         if np.abs(self.joint.sum(axis=(1, 2, 3)) - 1.0).max() > 1e-9:
             raise ZeroCountError(
                 f"structure {structure.name!r}: a combination of parents is possible that was never seen, "
@@ -198,6 +222,13 @@ class JointEffects:
         """CDFs of Distance [G, D], of Angle [G, D, A] and of Heading [G, D, A, H] given what precedes."""
         distance_angle = self.distance_angle
         return _cdf(distance_angle.sum(axis=2)), _cdf(distance_angle), _cdf(self.joint)
+
+
+def _sealed(local: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same tables, read-only."""
+    for table in local.values():
+        table.setflags(write=False)
+    return local
 
 
 def _cdf(probabilities: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -25,11 +25,15 @@ from bayeshunt.errors import DataError, InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
 from bayeshunt.models import network, sampling
+from bayeshunt.models.cells import CountedCells
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.effects import IndependentEffects, JointEffects, compile_effects
 from bayeshunt.models.opening import OpenTables
 from bayeshunt.models.rows import CountedRows
-from bayeshunt.models.structures import NAIVE, Structure, check_hunting, find_structure
+from bayeshunt.models.structures import NAIVE, Structure, check_hunting, depends_on_previous, find_structure
+
+if TYPE_CHECKING:
+    from bayeshunt.models.previous_counts import PreviousCounts
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")
@@ -53,6 +57,7 @@ class ForwardModel(OpenTables):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
     structure: Structure = NAIVE
+    known: ClassVar[Mapping[str, str]] = {}  # states of other variables that its tables are conditioned on
     has_counts: ClassVar[bool] = True  # False for an imported network: its tables have no known counts
 
     def __post_init__(self) -> None:
@@ -64,7 +69,7 @@ class ForwardModel(OpenTables):
         object.__setattr__(self, "prior", float(prior))
         if self.gait_prior not in GAIT_PRIORS:
             raise InputError(f"gait_prior is {self.gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
-        check_hunting(self.structure)
+        self._check_structure()
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -86,20 +91,21 @@ class ForwardModel(OpenTables):
         prior: Dirichlet pseudo-count per cell, >= 0.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
             to the farthest row.
-        structure: "naive" (the paper), "tan", "joint" or "learned", or a Structure. The edges of
-            "tan" and "learned" are found in the rows; later updates keep them.
+        structure: "naive" (the paper), "tan", "joint", "previous_gait" or "learned", or a Structure. The
+            edges of "tan" and "learned" are found in the rows; later updates keep them. For
+            "previous_gait" see ``models.previous``: the table must say which gait went before.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait has no rows; InputError
         for a bad prior or structure; ZeroCountError if the structure needs a prior.
         """
-        check_hunting(structure)
-        model = cls.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
+        kind = _kind(structure)
+        model = kind.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
         return model._fitted(structure)
 
     @classmethod
     def from_counts(
         cls,
-        joint: JointCounts,
+        joint: JointCounts | PreviousCounts,
         prior: float = 0.0,
         *,
         gait_prior: str = "uniform",
@@ -108,19 +114,27 @@ class ForwardModel(OpenTables):
     ) -> ForwardModel:
         """Learn the tables from counts of rows that need not be in memory: equal to :meth:`fit` of those rows.
 
-        joint: the sufficient statistics, see ``models.streaming.count_files``; the rest as in :meth:`fit`.
+        joint: the sufficient statistics, of the kind that the structure is fitted to
+            (``models.previous_counts.counts_for``), see ``models.streaming``; the rest as in :meth:`fit`.
         """
-        check_hunting(structure)
-        return cls(joint, prior, gait_prior, provenance or {})._fitted(structure)
+        return _kind(structure)._of_counts(joint, prior, gait_prior, provenance or {})._fitted(structure)
+
+    @classmethod
+    def _of_counts(
+        cls, counts: JointCounts | PreviousCounts, prior: float, gait_prior: str, provenance: Mapping[str, Any]
+    ) -> ForwardModel:
+        if not isinstance(counts, JointCounts):
+            raise InputError("this structure is fitted to JointCounts; counts by the gait before are for previous_gait")
+        return cls(counts, prior, gait_prior, provenance)
 
     def _fitted(self, structure: str | Structure) -> ForwardModel:
         """Return this model with ``structure`` and with its tables confirmed by pgmpy's own fit."""
         self._check_every_gait_seen()
         if isinstance(structure, str):
-            structure = find_structure(structure, self.joint.table)
+            structure = find_structure(structure, self._counted_cells)
         model = replace(self, structure=structure)
-        learned = {**model._effects.local, "Gait": model._empirical_gaits()}
-        network.check_equal(network.fit(model.joint, model.prior, structure), learned)
+        fitted = network.fit_cells(model._counted_cells, model.states, model.prior, structure)
+        network.check_equal(fitted, {**model._effects.local, **model._shares})
         return model
 
     @classmethod
@@ -143,13 +157,13 @@ class ForwardModel(OpenTables):
         Raises DataError if ``rows`` is not a babbling table of these gaits.
         """
         dataset.validate(rows)  # counting checks the gaits
-        joint = self.joint.merge(JointCounts.of(rows, self.gaits, self.axes))
+        counted = self._counted_with(rows)
         sources = list(self.provenance.get("sources", []))
         record = rows.attrs.get(dataset.PROVENANCE_KEY)
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        return replace(self, joint=joint, provenance=provenance, data=(*self.data, rows))
+        return replace(self, **counted, provenance=provenance, data=(*self.data, rows))
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the rows that it counted, which no model file holds; DataError for others."""
@@ -179,10 +193,15 @@ class ForwardModel(OpenTables):
         """
         return {"Gait": self._tables["Gait"], **self._effects.local}
 
+    @property
+    def states(self) -> dict[str, list[str]]:
+        """Names of the states of each variable of the network, in table order: gait names and bin labels."""
+        return network.state_names(self.gaits, self.axes)
+
     @cached_property
     def network(self) -> Any:
-        """The model as a pgmpy DiscreteBayesianNetwork; states are gait names and bin labels."""
-        return network.build(self.local_tables, network.state_names(self.gaits, self.axes), self.structure)
+        """The model as a pgmpy DiscreteBayesianNetwork; its states are :attr:`states`."""
+        return network.build(self.local_tables, self.states, self.structure)
 
     @cached_property
     def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
@@ -202,6 +221,16 @@ class ForwardModel(OpenTables):
         return np.argwhere(self.joint.support > 0)
 
     # --- what will happen ---------------------------------------------------------------------
+
+    def after(self, previous_gait: Gait | str | None) -> ForwardModel:
+        """Return what each gait does right after ``previous_gait``; None: nothing is known of the gait before.
+
+        The same model unless its structure is "previous_gait", see ``models.previous``.
+        Raises InputError for a gait that is not in the repertoire.
+        """
+        if previous_gait is not None:
+            self.gaits.index(previous_gait)
+        return self
 
     def predict(self, gait: Gait | str) -> Polar:
         """Return the expected pose after one step of ``gait``, in the robot's present frame.
@@ -317,13 +346,28 @@ class ForwardModel(OpenTables):
         derived = {effect: self._effects.marginal(effect) for effect in EFFECTS}
         count = len(self.gaits)
         uniform = np.full(count, 1.0 / count)
-        derived["Gait"] = uniform if self.gait_prior == "uniform" else self._empirical_gaits()
+        derived["Gait"] = uniform if self.gait_prior == "uniform" else self._shares["Gait"]
         for table in derived.values():
             table.setflags(write=False)
         return derived
 
-    def _empirical_gaits(self) -> np.ndarray:
-        return tables.normalise(self.joint.marginal("Gait")[:, None], self.prior, name="Gait")[:, 0]
+    @property
+    def _shares(self) -> dict[str, np.ndarray]:
+        """P(Gait) [G] as the rows have it."""
+        return {"Gait": tables.normalise(self.joint.marginal("Gait")[:, None], self.prior, name="Gait")[:, 0]}
+
+    @property
+    def _counted_cells(self) -> CountedCells:
+        """The counts over every variable of the network."""
+        return self.joint.table
+
+    def _counted_with(self, rows: pd.DataFrame) -> dict[str, Any]:
+        """The fields that hold counts, once ``rows`` are counted too."""
+        return {"joint": self.joint.merge(JointCounts.of(rows, self.gaits, self.axes))}
+
+    def _check_structure(self) -> None:
+        if depends_on_previous(self.structure):
+            raise InputError("this structure needs counts by the gait before; fit it: ForwardModel.fit")
 
     def _check_every_gait_seen(self) -> None:
         unseen = np.flatnonzero(self.joint.marginal("Gait") == 0)
@@ -338,3 +382,13 @@ class ForwardModel(OpenTables):
     @cached_property
     def _effects(self) -> IndependentEffects | JointEffects:
         return compile_effects(self.structure, self.joint, self.prior)
+
+
+def _kind(structure: str | Structure) -> type[ForwardModel]:
+    """The class that holds models of a structure; InputError if there is none."""
+    check_hunting(structure)
+    if not depends_on_previous(structure):
+        return ForwardModel
+    from bayeshunt.models.previous import PreviousGaitModel
+
+    return PreviousGaitModel

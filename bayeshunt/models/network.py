@@ -29,7 +29,7 @@ def state_names(gaits: GaitRepertoire, axes: EffectAxes) -> dict[str, list[str]]
 
 
 def build(tables: dict[str, np.ndarray], states: dict[str, list[str]], edges: Structure = NAIVE) -> Any:
-    """Return the pgmpy network that holds ``tables``: "Gait" [G], each effect [K, ...parents].
+    """Return the pgmpy network that holds ``tables``: each cause [G], each effect [K, ...parents].
 
     pgmpy wants every column to sum to 1: a column of zeros (parents never seen together, so that it
     cannot be reached) is handed over as a uniform one, as pgmpy's own estimator does.
@@ -37,7 +37,9 @@ def build(tables: dict[str, np.ndarray], states: dict[str, list[str]], edges: St
     from pgmpy.factors.discrete import TabularCPD
 
     network = structure(edges)
-    network.add_cpds(TabularCPD("Gait", len(states["Gait"]), tables["Gait"][:, None], state_names=states))
+    for cause in edges.causes:
+        names = {cause: states[cause]}
+        network.add_cpds(TabularCPD(cause, len(states[cause]), tables[cause][:, None], state_names=names))
     for effect in EFFECTS:
         parents = edges.parents(effect)
         names = {v: states[v] for v in (effect, *parents)}

@@ -15,6 +15,7 @@ from bayeshunt.models.counts import JointCounts
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.opening import OpenTables
 
 
 class CountedRows:
@@ -42,7 +43,7 @@ class CountedRows:
             raise DataError("these are not the rows that the model counted; give the table that it was fitted to")
         self.cells = dataset.discretise(self.frame, model.gaits, model.axes)
 
-    def find(self, model: ForwardModel, variable: str, bin: Any, gait: Gait | str | None) -> pd.DataFrame:
+    def find(self, model: OpenTables, variable: str, bin: Any, gait: Gait | str | None) -> pd.DataFrame:
         """Return the rows in one cell; see ``ForwardModel.rows``."""
         if variable == "Gait":
             return self._where(self.cells[:, 0] == model.gaits.index(bin))
@@ -57,7 +58,7 @@ class CountedRows:
         return found
 
 
-def _bin_index(model: ForwardModel, variable: str, bin: Any) -> int:
+def _bin_index(model: OpenTables, variable: str, bin: Any) -> int:
     """Index of a bin given by label or by number."""
     labels = model.axes[variable].labels
     if isinstance(bin, str):

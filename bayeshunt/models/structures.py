@@ -104,12 +104,20 @@ def find_structure(name: str, table: CountedCells) -> Structure:
     raise InputError(f"unknown structure {name!r}: expected one of {', '.join(STRUCTURES)}")
 
 
+def depends_on_previous(structure: str | Structure) -> bool:
+    """Return whether a structure, or one of ``STRUCTURES`` by name, has the gait before as a cause."""
+    return structure == PREVIOUS_GAIT.name if isinstance(structure, str) else PREVIOUS in structure.causes
+
+
 def check_hunting(structure: str | Structure) -> None:
-    """Raise InputError unless a forward model can hold the structure."""
-    if structure == "previous_gait" or (isinstance(structure, Structure) and PREVIOUS in structure.causes):
+    """Raise InputError unless a forward model can hold the structure.
+
+    With the gait before as a cause that is ``PREVIOUS_GAIT`` alone.
+    """
+    if isinstance(structure, Structure) and depends_on_previous(structure) and structure != PREVIOUS_GAIT:
         raise InputError(
-            "structure 'previous_gait' can be assessed but not hunted with: planners ask what a gait does, not what "
-            "it does after another; choose naive, tan, joint or learned"
+            f"structure {structure.name!r}: with {PREVIOUS} among the causes a forward model can be 'previous_gait' "
+            "alone; choose that, or edges without it"
         )
 
 
