@@ -22,7 +22,8 @@ from bayeshunt.cli.options import (
     Runs,
     Seed,
     check_names,
-    parse_overrides,
+    count_hunts,
+    read_experiment,
 )
 from bayeshunt.cli.stopping import stoppable
 
@@ -57,14 +58,13 @@ def evaluate(
     """
     from bayeshunt.experiments import runner, store
     from bayeshunt.models.forward import ForwardModel
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
-    settings = runner.experiment_settings(load_experiment(config or preset, parse_overrides(overrides)), runs)
+    settings = runner.experiment_settings(read_experiment(preset, config, overrides), runs)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)
     forward = None if model is None else ForwardModel.load(model)
-    total = len(settings.protocol.thetas) * settings.protocol.runs * len(planners) * len(arena or settings.arenas)
+    total = count_hunts(settings, planners, arena)
     with stoppable(lambda: _kept(out)), terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
         results = runner.evaluate(
             settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, out=out,

@@ -16,8 +16,9 @@ from bayeshunt.cli.options import (
     Preset,
     Quiet,
     Seed,
+    count_hunts,
     load_or_learn,
-    parse_overrides,
+    read_experiment,
     tell,
 )
 from bayeshunt.errors import InputError
@@ -45,7 +46,6 @@ def figures(
     Example:  bayeshunt figures --out figures --results results
     """
     from bayeshunt.experiments import runner, store
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import figures as drawing
 
     runner.check_jobs(jobs)
@@ -53,7 +53,7 @@ def figures(
         raise InputError("--set changes hunts that are run now; --results brings its own settings: leave one out")
     hunts = None if results is None else store.load_results(results)
     settings = (
-        runner.experiment_settings(load_experiment(config or preset, parse_overrides(overrides)), runs)
+        runner.experiment_settings(read_experiment(preset, config, overrides), runs)
         if hunts is None
         else _settings_of(hunts, results)
     )
@@ -80,8 +80,7 @@ def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
     from bayeshunt.experiments import runner
     from bayeshunt.views import terminal
 
-    protocol = settings.protocol
-    total = len(protocol.thetas) * protocol.runs * len(settings.planners) * len(settings.arenas)
+    total = count_hunts(settings, settings.planners, None)
     with terminal.progress_bar("hunting", total, quiet=quiet) as advance:
         return runner.evaluate(settings, seed=seed, jobs=jobs, model=model, progress=advance)
 

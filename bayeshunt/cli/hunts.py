@@ -19,7 +19,7 @@ from bayeshunt.cli.options import (
     check_names,
     check_parent,
     load_or_learn,
-    parse_overrides,
+    read_experiment,
 )
 
 
@@ -44,12 +44,11 @@ def hunt(
     """
     from bayeshunt.hunting import hunt as run
     from bayeshunt.planners.registry import make_planner
-    from bayeshunt.settings import load_experiment
 
     for path in (out, replay):
         if path is not None:
             check_parent(path)
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed)
     mind = make_planner(planner, forward, **settings.planner.get(planner, {}))

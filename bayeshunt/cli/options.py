@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -39,6 +40,19 @@ def check_parent(path: Path, made: Path | None = None) -> None:
     check_target(path)
     if not path.parent.is_dir() and (made is None or path.parent.resolve() != made.resolve()):
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
+
+
+def read_experiment(preset: str, config: Path | None, overrides: list[str] | None) -> Any:
+    """Return the experiment that ``--preset``, ``--config`` and ``--set`` ask for."""
+    from bayeshunt.settings import load_experiment
+
+    return load_experiment(config or preset, parse_overrides(overrides))
+
+
+def count_hunts(settings: Any, planners: Sequence[str], arenas: Sequence[str] | None) -> int:
+    """Return how many hunts an evaluation has; arenas None: the settings'."""
+    protocol = settings.protocol
+    return len(protocol.thetas) * protocol.runs * len(planners) * len(arenas or settings.arenas)
 
 
 def parse_overrides(given: list[str] | None) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from bayeshunt.cli.options import (
     Seed,
     check_names,
     check_parent,
-    parse_overrides,
+    read_experiment,
     tell,
 )
 
@@ -43,11 +43,10 @@ def reference(
     bayeshunt evaluate --planner reference --set planner.reference.table=reference.npz
     """
     from bayeshunt.experiments import references
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
     check_parent(out)
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     expected = len(settings.robot.gait) + references.EXPECTED_SWEEPS
     with terminal.progress_bar("solving", expected, quiet=quiet or as_json) as advance:
         table = references.reference(
@@ -80,11 +79,10 @@ def remember(
     bayeshunt evaluate --planner memory_place --set planner.memory_place.tables=memory.json
     """
     from bayeshunt.experiments import memories
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
     check_parent(out)
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], arena)
     total = len(settings.protocol.thetas) * max(runs, 0) * len(arena or settings.arenas)
     with terminal.progress_bar("watching", total, quiet=quiet or as_json) as advance:
@@ -112,10 +110,9 @@ def explore(
     bayeshunt evaluate --planner intercept_walls --arena walled --set planner.intercept_walls.room=room.json
     """
     from bayeshunt.experiments import explorations
-    from bayeshunt.settings import load_experiment
 
     check_parent(out)
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed)
     room.save(out)
     walls = room.walls()

@@ -21,7 +21,8 @@ from bayeshunt.cli.options import (
     Runs,
     Seed,
     check_names,
-    parse_overrides,
+    count_hunts,
+    read_experiment,
     toml_value,
 )
 from bayeshunt.cli.stopping import stoppable
@@ -59,19 +60,16 @@ def sweep(
     from bayeshunt.experiments import runner, store
     from bayeshunt.experiments.sweep import at_point, combinations
     from bayeshunt.experiments.sweep import sweep as run
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)
     chosen = _grid(axis, grid)
     points = [at_point(settings, values, runs) for values in combinations(chosen)]
     if out is not None:
         store.check_output_folder(out)
-    total = (
-        sum(len(p.protocol.thetas) * p.protocol.runs for p in points) * len(planners) * len(arena or settings.arenas)
-    )
+    total = sum(count_hunts(point, planners, arena) for point in points)
     with stoppable(lambda: _kept(out)), terminal.progress_bar("sweeping", total, quiet=quiet or as_json) as advance:
         frame = run(
             settings, chosen, runs=runs, seed=seed, jobs=jobs, planners=planners, arenas=arena, out=out,
@@ -121,10 +119,9 @@ def tradeoff(
     """
     from bayeshunt.experiments import runner, store
     from bayeshunt.experiments import tradeoff as costs
-    from bayeshunt.settings import load_experiment
     from bayeshunt.views import terminal
 
-    settings = load_experiment(config or preset, parse_overrides(overrides))
+    settings = read_experiment(preset, config, overrides)
     beside = check_names(settings, planner or ["prediction", "planning"], [arena])
     runner.check_jobs(jobs)
     varied = _varied(vary)
