@@ -130,11 +130,11 @@ class _Trial:
     def decide(self, planner: Planner) -> Iterator[tuple[Situation, Plan, Moment, Polar | None]]:
         """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
         arena, robot = self.arena, self.settings.robot
-        limit, previous_gait = self.settings.protocol.time_limit, None
+        previous_gait = None
         foresight = float(getattr(planner, "foresight", 0.0)) if getattr(planner, "needs_future", False) else 0.0
         previous: Moment | None = None
         transitions: tuple[Polar, ...] = ()
-        while not arena.caught and arena.time < limit - 1e-9:
+        while not arena.caught and (left := self._time_left()) > 0:
             moment = Moment(arena.time, arena.hunter.pose, arena.prey.pose)
             observed = self._observe(previous, moment)
             if observed is not None:
@@ -152,9 +152,15 @@ class _Trial:
             self.transitions += previous_gait is not None and plan.gait != previous_gait
             previous, previous_gait = moment, plan.gait
             command = robot.gaits[plan.gait].command
-            arena.run(command, min(robot.gait_duration, limit - arena.time), self.trail)
+            arena.run(command, min(robot.gait_duration, left), self.trail)
             end = arena.hunter.pose
             self.distance += math.hypot(end.x - moment.hunter.x, end.y - moment.hunter.y)
+
+    def _time_left(self) -> float:
+        """Seconds in whole physics steps until the time limit, which a catch must not outlast; at least one in all."""
+        step = self.settings.physics.step
+        whole = max(1, math.floor(self.settings.protocol.time_limit / step + 1e-9))
+        return (whole - round(self.arena.time / step)) * step
 
     def limit(self, bound: KinematicLimit) -> Result:
         """Return the result of a bound that is computed from the start of the hunt instead of run."""
