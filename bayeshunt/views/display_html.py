@@ -55,9 +55,11 @@ def fold(title: str, *content: Any, open_: bool = False) -> Html:
 
 def table(columns: Sequence[str], rows: Iterable[Html], *, class_: str | None = None) -> Html:
     """Return a scrolling table with a sticky header; ``rows`` are ``<tr>`` elements."""
-    head = tag("thead", tag("tr", *(tag("th", name, scope="col") for name in columns)))
-    # Focusable, so that the keyboard scrolls it.
-    return tag("div", tag("table", head, tag("tbody", *rows), class_=class_), class_="bh-scroll", tabindex="0")
+    # An empty heading would be read out as one; an empty cell is passed over.
+    head = tag("thead", tag("tr", *(tag("th", name, scope="col") if name else tag("td") for name in columns)))
+    # Focusable, so that the keyboard scrolls it; named, so that a screen reader says what has the focus.
+    place = {"role": "group", "aria_label": f"table by {columns[0]}, scrolls"}
+    return tag("div", tag("table", head, tag("tbody", *rows), class_=class_), class_="bh-scroll", tabindex="0", **place)
 
 
 def row(name: Any, cells: Iterable[Any], *, lit: bool = False) -> Html:

@@ -14,7 +14,7 @@ COLOURS = {
     "paper": ("#ffffff", "#15181c"),
     "panel": ("#f4f6f8", "#20252b"),
     "line": ("#d5dae0", "#3a424c"),
-    "heat": ("86, 180, 233", "0, 114, 178"),
+    "heat": ("86, 180, 233", "0, 104, 164"),
     "bar": ("#4a90c2", "#5aa9e0"),
     "accent": ("#b04a00", "#ffb454"),
     "glow": ("255, 196, 120", "140, 80, 10"),
@@ -50,6 +50,7 @@ _RULES = """
 .bh tbody tr,.bh tbody tr:nth-child(odd),.bh tbody tr:hover{background:var(--bh-paper)}
 .bh thead th{position:sticky;top:0;z-index:2;background:var(--bh-panel);font-weight:600;vertical-align:bottom;
  border-bottom:1px solid var(--bh-line)}
+.bh thead td{position:sticky;top:0;z-index:2;background:var(--bh-panel);border-bottom:1px solid var(--bh-line)}
 .bh tbody th{position:sticky;left:0;z-index:1;background:var(--bh-panel);font-weight:400;text-align:left}
 .bh thead th:first-child{left:0;z-index:3;text-align:left}
 .bh .bh-left{text-align:left}

@@ -243,3 +243,13 @@ def test_names_from_outside_stay_text(open_page, episodes, tmp_path):
     assert page.locator("img, b").count() == 0
     assert not watch.errors
     assert len(watch.requests) == 1
+
+
+def test_a_value_that_is_not_finite_stops_nothing(open_page, episodes, tmp_path):
+    episode = episodes["planning"]
+    write_replay(replace(episode, frame=episode.frame.assign(value=math.inf)), tmp_path / "endless.html")
+    page, watch = open_page(tmp_path / "endless.html")
+    page.keyboard.press("ArrowRight")
+    assert fact(page, "value") == "not finite"
+    assert page.locator("[data-part=heading]").inner_text().startswith("Decision 2")
+    assert not watch.errors

@@ -257,7 +257,7 @@ class Player {
       return item;
     }));
     fillFacts(this.parts["plan-facts"], [
-      ["value", String(Number(step.value.toPrecision(4))), "value"],
+      ["value", step.value === null ? "not finite" : String(Number(step.value.toPrecision(4))), "value"],
       ["which is", step.objective, "objective"],
       ["considered", `${step.nodes} ${step.nodes === 1 ? "alternative" : "alternatives"}`, "nodes"],
     ]);
