@@ -73,6 +73,16 @@ def test_seen_from_undoes_compose(a, b):
     assert same_angle(back.heading, b.heading)
 
 
+@given(poses, poses, polars, polars)
+def test_every_angle_stays_in_the_half_open_turn(p, q, a, b):
+    cartesian = Polar.from_cartesian(0.3, -0.2, a.heading)
+    for seen in (p.relative(q), a.compose(b), a.seen_from(b), cartesian):
+        assert -math.pi < seen.angle <= math.pi
+        assert -math.pi < seen.heading <= math.pi
+    assert -math.pi < p.compose(a).theta <= math.pi
+    assert same_angle(cartesian.heading, a.heading)
+
+
 def test_arrays_broadcast_like_scalars():
     rng = np.random.default_rng(1)
     x, y, t = rng.uniform(-2, 2, (3, 50))
