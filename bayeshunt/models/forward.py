@@ -131,10 +131,11 @@ class ForwardModel(OpenTables):
         """Return this model with ``structure`` and with its tables confirmed by pgmpy's own fit."""
         self._check_every_gait_seen()
         if isinstance(structure, str):
-            structure = find_structure(structure, self._counted_cells)
+            structure = find_structure(structure, self.counted_cells)
         model = replace(self, structure=structure)
-        fitted = network.fit_cells(model._counted_cells, model.states, model.prior, structure)
-        network.check_equal(fitted, {**model._effects.local, **model._shares})
+        learned = {**model._effects.local, **model._shares}  # refuses huge tables before pgmpy would allocate them
+        fitted = network.fit_cells(model.counted_cells, model.states, model.prior, structure)
+        network.check_equal(fitted, learned)
         return model
 
     @classmethod
@@ -357,7 +358,7 @@ class ForwardModel(OpenTables):
         return {"Gait": tables.normalise(self.joint.marginal("Gait")[:, None], self.prior, name="Gait")[:, 0]}
 
     @property
-    def _counted_cells(self) -> CountedCells:
+    def counted_cells(self) -> CountedCells:
         """The counts over every variable of the network."""
         return self.joint.table
 

@@ -144,12 +144,13 @@ class PreviousGaitModel(ForwardModel):
 
     @cached_property
     def _effects(self) -> JointEffects:
-        local = local_tables(PREVIOUS_GAIT, self._counted_cells, self.prior)
+        local = local_tables(PREVIOUS_GAIT, self.counted_cells, self.prior)
         sizes = (len(self.gaits), *self.axes.shape)
         return JointEffects.of_tables(PREVIOUS_GAIT, local, sizes, {PREVIOUS: self._previous})
 
     @property
-    def _counted_cells(self) -> CountedCells:
+    def counted_cells(self) -> CountedCells:
+        """The counts over every variable of the network, PreviousGait first."""
         return self.by_previous.table
 
     def _counted_with(self, rows: pd.DataFrame) -> dict[str, Any]:

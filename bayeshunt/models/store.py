@@ -21,16 +21,20 @@ from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models.counts import MAX_DISTANCE_BINS, JointCounts
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.structures import NAIVE, Structure
+from bayeshunt.models.previous import PreviousGaitModel
+from bayeshunt.models.previous_counts import PreviousCounts
+from bayeshunt.models.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
 #: What the file says it is.
 KIND = "bayeshunt forward model"
 #: The command that makes one.
 MAKER = "bayeshunt fit babbling.parquet"
-#: Version of the layout of ``content``.
-FORMAT = 2
+#: Newest version of the layout of ``content``: cells and pose sums by the gait before.
+FORMAT = 3
+#: What a model that does not depend on the gait before is written in, so that older programs can read it.
+_FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
-READABLE = (1, 2)
+READABLE = (1, 2, 3)
 
 _MEND = "give a file made by: bayeshunt fit"
 
@@ -72,7 +76,8 @@ def dumps(model: ForwardModel) -> str:
     if not model.has_counts:
         raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
     content = _content(model)
-    seal = {"kind": KIND, "format": FORMAT, "checksum": _checksum(content)}
+    version = FORMAT if isinstance(model, PreviousGaitModel) else _FORMAT_WITHOUT_PREVIOUS
+    seal = {"kind": KIND, "format": version, "checksum": _checksum(content)}
     head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in seal.items()]
     body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
     return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
@@ -106,20 +111,27 @@ def loads(text: str, name: str = "model") -> ForwardModel:
 
 
 def _content(model: ForwardModel) -> dict[str, Any]:
-    joint, gaits = model.joint, model.gaits
+    gaits, table = model.gaits, model.counted_cells
+    sums = _sums_by_previous(model.by_previous) if isinstance(model, PreviousGaitModel) else model.joint.sums
     return {
-        "axes": {axis.name: _axis_record(axis) for axis in joint.axes},
+        "axes": {axis.name: _axis_record(axis) for axis in model.axes},
         "body_length": gaits.body_length,
-        "cells": np.column_stack([joint.cells, joint.counts]).tolist(),
-        "cells_columns": ["Gait", *EFFECTS, "count"],
+        "cells": np.column_stack([table.cells, table.counts]).tolist(),
+        "cells_columns": [*table.names, "count"],
         "duration": gaits.duration,
         "gait_prior": model.gait_prior,
         "gaits": [{"name": gait.name, "command": list(gait.command)} for gait in gaits],
-        "pose_sums": joint.sums.tolist(),
+        "pose_sums": sums.tolist(),
         "prior": model.prior,
         "provenance": _plain(dict(model.provenance)),
         "structure": {"name": model.structure.name, "edges": [list(edge) for edge in model.structure.edges]},
     }
+
+
+def _sums_by_previous(counts: PreviousCounts) -> np.ndarray:
+    """Pose sums [G, G, P + 1, 4] by the gait before; 0 where nothing was counted."""
+    shape = max(part.sums.shape for part in counts.after)
+    return np.stack([part.sums if part.total else np.zeros(shape, dtype=np.int64) for part in counts.after])
 
 
 def _axis_record(axis: Axis) -> dict[str, Any]:
@@ -158,14 +170,35 @@ def _model(content: Any, structure: Structure) -> ForwardModel:
         duration=float(content["duration"]),
     )
     axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
+    settings = (content["prior"], content["gait_prior"], dict(content["provenance"]))
+    if depends_on_previous(structure):
+        if structure != PREVIOUS_GAIT:
+            raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
+        rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 4)
+        counts = _previous_counts(rows.reshape(-1, 6), sums, gaits, axes)
+        return PreviousGaitModel(counts.joint, *settings, by_previous=counts)
     rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
-    rows = rows.reshape(-1, 5)
+    return ForwardModel(_joint_counts(rows.reshape(-1, 5), sums, gaits, axes), *settings, structure=structure)
+
+
+def _joint_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> JointCounts:
+    """Counts from rows [K, 5] of (Gait, Distance, Angle, Heading, count) and pose sums [G, P + 1, 4]."""
     _check_rows(rows, (len(gaits), *axes.shape))
     if sums.shape[0] != len(gaits) or sums.shape[2] != 4:
         raise ValueError(f"pose_sums has shape {sums.shape}")
-    joint = JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
-    provenance = dict(content["provenance"])
-    return ForwardModel(joint, content["prior"], content["gait_prior"], provenance, structure=structure)
+    return JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
+
+
+def _previous_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> PreviousCounts:
+    """Counts from rows [K, 6], PreviousGait first, and pose sums [G, G, P + 1, 4]."""
+    _check_rows(rows, (len(gaits), len(gaits), *axes.shape))
+    if sums.shape[:2] != (len(gaits), len(gaits)):
+        raise ValueError(f"pose_sums has shape {sums.shape}")
+    after = []
+    for before in range(len(gaits)):
+        part = rows[rows[:, 0] == before, 1:]
+        after.append(_joint_counts(part, sums[before], gaits, axes) if len(part) else JointCounts.empty(gaits, axes))
+    return PreviousCounts(tuple(after))
 
 
 def _structure(record: dict[str, Any]) -> Structure:
@@ -183,8 +216,8 @@ def _axis(name: str, record: dict[str, Any]) -> Axis:
 
 
 def _check_rows(rows: np.ndarray, shape: tuple[int, ...]) -> None:
-    cells = rows[:, :4]
-    if np.any(cells < 0) or np.any(cells >= np.array(shape)) or np.any(rows[:, 4] < 1):
+    cells = rows[:, :-1]
+    if np.any(cells < 0) or np.any(cells >= np.array(shape)) or np.any(rows[:, -1] < 1):
         raise ValueError("a counted cell lies outside the table or has no count")
     if np.any(np.diff(np.ravel_multi_index(tuple(cells.T), shape)) <= 0):
         raise ValueError("counted cells must be sorted and unique")
