@@ -5,13 +5,15 @@ Letters: V variables, K counted cells, N rows, S states of one variable.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 #: Tables larger than this (128 MB of probabilities) are refused rather than allocated.
 MAX_TABLE_CELLS = 1 << 24
+#: A dense tally (64 MB at most) is faster than sorting the rows, unless they are few among many cells.
+_DENSE_CELLS, _DENSE_CELLS_PER_ROW = 1 << 23, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +32,13 @@ class CountedCells:
     @classmethod
     def of_rows(cls, names: Sequence[str], sizes: Sequence[int], rows: np.ndarray) -> CountedCells:
         """Count the rows [N, V] of state indices; cells come out sorted."""
+        return cls.of_columns(names, sizes, rows.T)
+
+    @classmethod
+    def of_columns(cls, names: Sequence[str], sizes: Sequence[int], columns: Iterable[np.ndarray]) -> CountedCells:
+        """Count rows given as the state indices [N] of each variable; ValueError for one outside its states."""
         shape = tuple(int(s) for s in sizes)
-        # One number per cell sorts an order of magnitude faster than rows do.
-        keys, counts = np.unique(np.ravel_multi_index(tuple(rows.T), shape), return_counts=True)
-        return cls(tuple(names), shape, np.column_stack(np.unravel_index(keys, shape)), counts)
+        return cls(tuple(names), shape, *count_numbers(number_cells(columns, shape), shape))
 
     @property
     def total(self) -> int:
@@ -53,6 +58,38 @@ class CountedCells:
         table = np.zeros([self.size(name) for name in names], dtype=np.int64)
         np.add.at(table, self.indices(names), self.counts)
         return table
+
+
+def number_cells(columns: Iterable[np.ndarray], shape: Sequence[int]) -> np.ndarray:
+    """Return int64 [N], a row's cell as its position in a flat table of ``shape``.
+
+    columns: state indices [N] of each variable, any whole type; ValueError for one outside its states.
+    As ``numpy.ravel_multi_index``, in half the time.
+    """
+    numbers: np.ndarray | None = None
+    for column, size in zip(columns, shape, strict=True):
+        if column.size and not (column.min() >= 0 and column.max() < size):
+            raise ValueError(f"state indices from {column.min()} to {column.max()}; expected 0 to {size - 1}")
+        if numbers is None:
+            numbers = column.astype(np.int64)
+        else:
+            numbers *= size
+            numbers += column
+    return np.zeros(0, dtype=np.int64) if numbers is None else numbers
+
+
+def count_numbers(numbers: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cells [K, V] that occur, sorted, and how often each does [K].
+
+    numbers: [N], see :func:`number_cells`: one number per row is counted an order of magnitude faster than a row.
+    """
+    if np.prod(shape, dtype=float) <= min(_DENSE_CELLS, _DENSE_CELLS_PER_ROW * len(numbers)):
+        dense = np.bincount(numbers)
+        keys = np.flatnonzero(dense)
+        counts = dense[keys]
+    else:
+        keys, counts = np.unique(numbers, return_counts=True)
+    return np.column_stack(np.unravel_index(keys, shape)), counts
 
 
 def conditional(counts: np.ndarray, prior: float) -> np.ndarray:

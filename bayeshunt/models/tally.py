@@ -18,11 +18,10 @@ from bayeshunt import dataset
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError
 from bayeshunt.gaits import GaitRepertoire
+from bayeshunt.models.cells import count_numbers, number_cells
 
 #: Fixed point: units per metre, and per unit of cosine or sine.
 SCALE = 1e9
-#: Up to this many cells a dense tally (64 MB at most) is faster than sorting the rows.
-_DENSE_CELLS = 1 << 23
 #: Rows of a part: their intermediate arrays, half a megabyte each, stay in the cache.
 _PART_ROWS = 1 << 16
 #: Threads at most: numpy and Arrow work side by side, the Python between them does not.
@@ -39,20 +38,17 @@ def tally_rows(
     """
     effects = [frame[axis.name.lower()].to_numpy(dtype=float) for axis in axes]
     poses = _poses(frame)
-    numbers = np.empty(len(frame), dtype=np.int64)  # of the cells, in the order of the table's axes
+    numbers, shape = np.empty(len(frame), dtype=np.int64), (len(gaits), *axes.shape)
 
     def work(start: int) -> np.ndarray:
         part = slice(start, start + _PART_ROWS)
         codes = dataset.gait_codes(frame["gait"].iloc[part], gaits, first_row=start)
-        number = numbers[part]
-        number[:] = codes
-        for axis, values in zip(axes, effects, strict=True):
-            number *= axis.bins
-            number += axis.index(values[part])
+        bins = [axis.index(values[part]) for axis, values in zip(axes, effects, strict=True)]
+        numbers[part] = number_cells([codes, *bins], shape)
         return _pose_sums([[values[part] for values in pose] for pose in poses], codes, len(gaits), len(frame))
 
     sums = _add_parts(work, range(0, len(frame), _PART_ROWS))
-    return *_tally(numbers, (len(gaits), *axes.shape)), sums
+    return *count_numbers(numbers, shape), sums
 
 
 def _add_parts(work: Callable[[int], np.ndarray], starts: Sequence[int]) -> np.ndarray:
@@ -61,17 +57,6 @@ def _add_parts(work: Callable[[int], np.ndarray], starts: Sequence[int]) -> np.n
         return work(starts[0])
     with ThreadPoolExecutor(min(len(starts), os.cpu_count() or 1, _MAX_THREADS)) as pool:
         return np.sum(list(pool.map(work, starts)), axis=0)
-
-
-def _tally(flat: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sorted unique cells [K, V] of the flat cell numbers [N] and how often each occurs [K]."""
-    if np.prod(shape, dtype=float) <= _DENSE_CELLS:
-        dense = np.bincount(flat)
-        keys = np.flatnonzero(dense)
-        counts = dense[keys]
-    else:
-        keys, counts = np.unique(flat, return_counts=True)
-    return np.column_stack(np.unravel_index(keys, shape)), counts
 
 
 def _poses(frame: pd.DataFrame) -> list[list[np.ndarray]]:

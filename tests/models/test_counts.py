@@ -15,7 +15,7 @@ from model_cases import babbled, frame_of, repertoire, small_axes
 from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError, InputError, ZeroCountError
 from bayeshunt.gaits import GaitRepertoire
-from bayeshunt.models import tally
+from bayeshunt.models import cells, tally
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.forward import ForwardModel
 
@@ -75,8 +75,9 @@ def test_any_split_merges_to_the_batch(rows: list[tuple], cuts: list[int]) -> No
 
 def test_dense_and_sorted_tally_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     frame, axes = babbled(500, seed=3), EffectAxes.standard(0.057)
+    monkeypatch.setattr(cells, "_DENSE_CELLS_PER_ROW", 1 << 23)
     dense = JointCounts.of(frame, repertoire(), axes)
-    monkeypatch.setattr(tally, "_DENSE_CELLS", 1)
+    monkeypatch.setattr(cells, "_DENSE_CELLS_PER_ROW", 0)
     assert JointCounts.of(frame, repertoire(), axes) == dense
 
 
