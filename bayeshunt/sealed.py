@@ -177,7 +177,9 @@ def unseal(text: bytes) -> tuple[dict[str, Any], list[str] | None]:
     sealed = body.get(_SEAL)
     if sealed is None:
         return body, None
-    stated = sealed.pop("checksum")
+    if not isinstance(sealed, dict) or not isinstance(sealed.get("groups"), list):
+        raise ValueError("its record has no seal that can be read")
+    stated = sealed.pop("checksum", None)
     if stated != _checksum(body):
         raise ValueError("its record does not match its checksum")
     del body[_SEAL]

@@ -43,6 +43,14 @@ def test_an_altered_record_is_noticed():
         sealed.unseal(text.replace(b'"d"', b'"e"'))
 
 
+@pytest.mark.parametrize("seal", [3, "x", {}, {"groups": None}, {"groups": 1, "checksum": ""}, {"groups": []}])
+def test_a_seal_that_makes_no_sense_is_one_line(tmp_path, seal):
+    table = pa.table({"a": [1.0]}).replace_schema_metadata({sealed.KEY: json.dumps({"seal": seal}).encode()})
+    pq.write_table(table, tmp_path / "t.parquet")
+    with pytest.raises(DataError, match=r"t\.parquet: cannot be read as a table \(.+\); make it again$"):
+        reader(tmp_path / "t.parquet")
+
+
 def test_content_that_does_not_fit_its_digest_is_refused(tmp_path):
     table = pa.table({"a": [1.0, 2.0]})
     path = tmp_path / "t.parquet"
