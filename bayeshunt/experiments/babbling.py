@@ -7,8 +7,8 @@ interruption goes on with the shards that are missing.
 
 from __future__ import annotations
 
+import contextlib
 import os
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -21,13 +21,15 @@ from bayeshunt.config import PhysicsSettings, RobotSettings
 from bayeshunt.errors import DataError, InputError
 from bayeshunt.experiments import workers
 from bayeshunt.experiments.identity import versions
-from bayeshunt.experiments.lock import FolderLock
+from bayeshunt.experiments.lock import LOCK_FILE, FolderLock
 from bayeshunt.experiments.store import check_output_folder
+from bayeshunt.files import check_target
 from bayeshunt.settings import load_robot
 from bayeshunt.world.babbling import babble, check_whole, provenance
 
 #: Rows of a shard; a table of no more rows is one stream and comes from :func:`bayeshunt.babble` itself.
 SHARD_ROWS = sealed.ROW_GROUP
+_SHARDS = "[0-9]*.parquet"
 
 
 class Shard(NamedTuple):
@@ -62,7 +64,7 @@ def babble_to_file(
     for one per core. progress: called with the number of steps just done. Returns the gaits executed, sorted.
 
     Raises InputError for a wrong number, FolderInUseError if another process is making the same file,
-    DataError if shards of another table are in the way.
+    DataError if shards of another table are in the way. What else is in the folder of the shards is left there.
     """
     robot, physics = load_robot(robot), PhysicsSettings()
     check_whole(steps, "steps", 1)
@@ -71,6 +73,7 @@ def babble_to_file(
     least = len(robot.gaits)  # so that every shard holds every gait
     if not least <= shard_rows <= SHARD_ROWS:
         raise InputError(f"shard_rows: expected {least} to {SHARD_ROWS}, got {shard_rows}")
+    check_target(path)  # hours before it is written
     if steps <= shard_rows:
         frame = babble(robot, steps, seed, physics=physics, progress=progress)
         dataset.save(frame, path)
@@ -81,7 +84,11 @@ def babble_to_file(
         shards = list(_shards(steps, seed, shard_rows, folder))
         _babble_missing(partial(babble_shard, robot, physics, record, os.getpid()), shards, record, jobs, progress)
         _join(shards, record, path)
-    shutil.rmtree(folder)
+        for made in (*folder.glob(_SHARDS), *folder.glob(f".{_SHARDS}.*.tmp")):  # the latter of workers killed
+            made.unlink()
+    (folder / LOCK_FILE).unlink(missing_ok=True)
+    with contextlib.suppress(OSError):  # what else is in the folder is not ours, and stays with it
+        folder.rmdir()
     return sorted(robot.gaits.names)
 
 
@@ -89,7 +96,7 @@ def kept_rows(path: str | os.PathLike[str]) -> int:
     """Return how many rows of an unfinished table ``path`` are kept in its shards; 0 if there are none."""
     import pyarrow.parquet as pq
 
-    return sum(pq.read_metadata(shard).num_rows for shard in _shard_folder(path).glob("[0-9]*.parquet"))
+    return sum(pq.read_metadata(shard).num_rows for shard in _shard_folder(path).glob(_SHARDS))
 
 
 def _shard_folder(path: str | os.PathLike[str]) -> Path:

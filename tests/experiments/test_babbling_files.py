@@ -68,6 +68,24 @@ def test_shards_of_another_table_are_refused(tmp_path):
     assert not path.exists()
 
 
+def test_only_what_it_made_is_removed(tmp_path):
+    folder = tmp_path / "t.parquet.shards"
+    folder.mkdir()
+    (folder / ".000001.parquet.abc.tmp").touch()  # left by a worker that was killed
+    (folder / "notes.txt").write_text("of the user")
+    babble_to_file(**WHAT, path=tmp_path / "t.parquet")
+    assert [p.name for p in folder.iterdir()] == ["notes.txt"]
+
+
+def test_a_path_that_cannot_be_written_is_refused_before_the_work(tmp_path):
+    (tmp_path / "t.parquet").mkdir()
+    worked = []
+    with pytest.raises(InputError, match="is a folder"):
+        babble_to_file(**WHAT, path=tmp_path / "t.parquet", progress=worked.append)
+    assert not worked
+    assert [p.name for p in tmp_path.iterdir()] == ["t.parquet"]
+
+
 def test_a_second_process_is_refused(tmp_path):
     folder = tmp_path / "t.parquet.shards"
     folder.mkdir()
