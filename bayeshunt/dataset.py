@@ -152,12 +152,12 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
 class Batches:
     """A babbling table of any size, read and validated 100,000 rows at a time.
 
-    rows: number of rows in the file. provenance: its record, {} if it has none.
+    name: the path as given. rows: number of rows in the file. provenance: its record, {} if it has none.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open the file; raises DataError if it is missing, is not Parquet or is damaged."""
-        self._name = os.fspath(path)
+        self.name = os.fspath(path)
         check_source(path, _MAKER, DataError)
         self._reader = sealed.Reader(path, what=_WHAT, mend=_MEND)
         self.rows: int = self._reader.rows
@@ -172,12 +172,12 @@ class Batches:
         first = 0
         for table in self._reader:
             frame = table.to_pandas()
-            validate(frame, gaits, source=self._name, first_row=first)
+            validate(frame, gaits, source=self.name, first_row=first)
             frame.attrs[PROVENANCE_KEY] = self.provenance
             first += len(frame)
             yield frame
         if not first:
-            raise DataError(f"{self._name}: the table has no rows; babble at least one step")
+            raise DataError(f"{self.name}: the table has no rows; babble at least one step")
 
 
 def _check_columns(columns: pd.Index, part_way: list[str], source: str) -> None:

@@ -57,7 +57,6 @@ class ForwardModel(OpenTables):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
     structure: Structure = NAIVE
-    known: ClassVar[Mapping[str, str]] = {}  # states of other variables that its tables are conditioned on
     has_counts: ClassVar[bool] = True  # False for an imported network: its tables have no known counts
 
     def __post_init__(self) -> None:

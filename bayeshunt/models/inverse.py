@@ -15,10 +15,12 @@ import pandas as pd
 
 from bayeshunt import displays
 from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError
+from bayeshunt.gaits import Gait
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.nearest import FARTHEST, RINGS, SECTORS, CellFinder
 from bayeshunt.models.posterior import Cell, CellPosterior, Posterior
+from bayeshunt.models.structures import PREVIOUS
 
 _PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
 _floor = math.floor
@@ -53,6 +55,22 @@ class InverseModel:
             (source.cell.distance_bin, source.cell.angle_bin, None): source for source in self._sources
         }
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
+        self._after: dict[str, InverseModel] = {}
+
+    def after(self, previous_gait: Gait | str | None) -> InverseModel:
+        """Return P(Gait | Distance, Angle [, Heading], PreviousGait): the inverse of ``model.after(previous_gait)``.
+
+        None: nothing is known of the gait before. The same inverse unless the structure is
+        "previous_gait". Learned coordinates are those reached right after that gait. Remembered.
+        Raises InputError for a gait that is not in the repertoire.
+        """
+        part = self.model.after(previous_gait)
+        if part is self.model:
+            return self
+        name = part.known.get(PREVIOUS, "")
+        if name not in self._after:
+            self._after[name] = InverseModel(part)
+        return self._after[name]
 
     def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
         """Return P(Gait | evidence) for a target in the robot's frame.
@@ -110,7 +128,8 @@ class InverseModel:
         return pd.concat([frame, pd.DataFrame(self._values, columns=list(self.model.gaits.names))], axis=1)
 
     def __repr__(self) -> str:
-        return f"<InverseModel: {len(self._cells)} learned coordinates, {len(self.model.gaits)} gaits>"
+        learned = "learned " if self.model.has_counts else ""
+        return f"<InverseModel: {len(self._cells)} {learned}coordinates, {len(self.model.gaits)} gaits>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ class OpenTables:
 
     joint: JointCounts
     prior: float
+    known: ClassVar[Mapping[str, str]] = {}  # states of other variables that the tables are conditioned on
 
     @property
     def gaits(self) -> GaitRepertoire:
@@ -70,7 +72,9 @@ class OpenTables:
     def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
         """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook."""
         low, high = self.credible_interval(variable, level)
-        return ProbabilityTable(variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior)
+        return ProbabilityTable(
+            variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known
+        )
 
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.

@@ -86,7 +86,10 @@ class Posterior(NamedTuple):
 
     @property
     def evidence_probability(self) -> float:
-        """P(evidence) under the model; the posterior rests on little where it is tiny."""
+        """P(Distance, Angle [, Heading]) under the model; the posterior rests on little where it is tiny.
+
+        Of a model that is given the gait before (:attr:`evidence` then names it): the probability after that gait.
+        """
         return self.source.evidence_probability
 
     @property
@@ -101,8 +104,8 @@ class Posterior(NamedTuple):
 
     @property
     def evidence(self) -> dict[str, str]:
-        """Variable -> state label, as pgmpy takes evidence."""
-        return self.source.cell.evidence
+        """Variable -> state label, as pgmpy takes evidence; with the gait before, where the model is given it."""
+        return {**self.source.cell.evidence, **self.source.model.known}
 
     @property
     def target(self) -> Polar:

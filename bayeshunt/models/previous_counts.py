@@ -104,14 +104,17 @@ def counts_for(structure: str | Structure) -> type[JointCounts] | type[PreviousC
     return PreviousCounts if depends_on_previous(structure) else JointCounts
 
 
-def previous_codes(frame: pd.DataFrame, gaits: GaitRepertoire) -> np.ndarray:
+def previous_codes(
+    frame: pd.DataFrame, gaits: GaitRepertoire, *, source: str = "table", first_row: int = 0
+) -> np.ndarray:
     """Return the index [N] of the gait before each row; -1 where there was none.
 
+    source: what messages call the table. first_row: what they call its first row.
     Raises DataError without the column ``previous_gait``, or for a name that is not in the repertoire.
     """
     if COLUMN not in frame.columns:
         raise DataError(
-            f"the table has no column {COLUMN!r}, which structure 'previous_gait' needs; "
+            f"{source}: column {COLUMN!r} is missing, and structure 'previous_gait' needs it; "
             "choose another structure, or babble again"
         )
     names = frame[COLUMN]
@@ -119,6 +122,8 @@ def previous_codes(frame: pd.DataFrame, gaits: GaitRepertoire) -> np.ndarray:
     strange = (codes < 0) & names.notna().to_numpy()
     if strange.any():
         row = int(strange.argmax())
-        known = ", ".join(gaits.names)
-        raise DataError(f"row {row}: {COLUMN} {names.iloc[row]!r} is not in the repertoire; expected one of {known}")
+        raise DataError(
+            f"{source}: row {first_row + row}: {COLUMN} {names.iloc[row]!r} is not in the repertoire; "
+            f"expected one of {', '.join(gaits.names)}"
+        )
     return codes

@@ -16,6 +16,8 @@ from bayeshunt.dataset import Batches
 from bayeshunt.errors import InputError
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.models.counts import JointCounts
+from bayeshunt.models.previous_counts import PreviousCounts, counts_for, previous_codes
+from bayeshunt.models.structures import Structure
 
 #: What a babbling table records of the robot that decides what its rows mean.
 _ROBOT = "robot"
@@ -42,19 +44,26 @@ def count_tables(
     gaits: GaitRepertoire,
     *,
     axes: EffectAxes | None = None,
+    structure: str | Structure = "naive",
     progress: Callable[[int], None] | None = None,
-) -> tuple[JointCounts, dict[str, Any]]:
+) -> tuple[JointCounts | PreviousCounts, dict[str, Any]]:
     """Return the counts of all rows, and the provenance ``{"sources": [record of each table]}``.
 
     Equal, bit for bit, for any order of the tables and any split of the rows. Memory: one batch of
-    100,000 rows, and the counted cells. progress: called with the number of rows just counted.
+    100,000 rows, and the counted cells. structure: what is to be fitted to them; "previous_gait" takes
+    PreviousCounts. progress: called with the number of rows just counted.
 
     Raises DataError naming the file and the row that is wrong.
     """
-    counts = JointCounts.empty(gaits, axes if axes is not None else EffectAxes.standard(gaits.body_length))
+    kind: Any = counts_for(structure)
+    counts = kind.empty(gaits, axes if axes is not None else EffectAxes.standard(gaits.body_length))
     for table in tables:
+        first = 0
         for frame in table.of(gaits.names):
-            counts = counts.merge(JointCounts.of(frame, gaits, counts.axes))
+            if kind is PreviousCounts:
+                previous_codes(frame, gaits, source=table.name, first_row=first)  # names the file and the row
+            counts = counts.merge(kind.of(frame, gaits, counts.axes))
+            first += len(frame)
             if progress is not None:
                 progress(len(frame))
     # In an order of their own, so that the model file does not depend on the order of the tables.

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import pandas as pd
 
@@ -17,6 +18,7 @@ class ProbabilityTable:
     probability: columns sum to 1. count: the rows behind each probability.
     low, high: bounds of each cell's Dirichlet credible interval at ``level``.
     prior: Dirichlet pseudo-count per cell of the probabilities.
+    known: states of other variables that the table is conditioned on, {"PreviousGait": name}.
     In an imported network nobody knows count, low, high and prior: they are None.
     """
 
@@ -27,11 +29,13 @@ class ProbabilityTable:
     high: pd.DataFrame | None
     level: float
     prior: float | None
+    known: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """What the table is: "P(Distance | Gait)"."""
-        return "P(Gait)" if self.variable == "Gait" else f"P({self.variable} | Gait)"
+        """What the table is: "P(Distance | Gait)", "P(Distance | Gait, PreviousGait = straight)"."""
+        given = ["Gait", *(f"{variable} = {state}" for variable, state in self.known.items())]
+        return "P(Gait)" if self.variable == "Gait" else f"P({self.variable} | {', '.join(given)})"
 
     def __repr__(self) -> str:
         bins, columns = self.probability.shape

@@ -17,20 +17,19 @@ from xml.etree import ElementTree
 import numpy as np
 
 from bayeshunt.files import write_text
-from bayeshunt.models import network
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
 
 #: First letter of the states of each variable.
-LETTERS = {"Gait": "g", "Distance": "d", "Angle": "a", "Heading": "h"}
+LETTERS = {"PreviousGait": "p", "Gait": "g", "Distance": "d", "Angle": "a", "Heading": "h"}
 
 
 def safe_labels(model: ForwardModel) -> dict[str, dict[str, str]]:
     """Return, per variable, safe state name -> the model's own label, both in table order."""
     return {
         variable: {f"{LETTERS[variable]}{i:0{len(str(len(labels) - 1))}d}": label for i, label in enumerate(labels)}
-        for variable, labels in network.state_names(model.gaits, model.axes).items()
+        for variable, labels in model.states.items()
     }
 
 
