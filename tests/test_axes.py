@@ -38,6 +38,21 @@ def test_scalar_and_array_indices_agree(values):
         assert axis.index(np.array(values)).tolist() == [axis.index(v) for v in values]
 
 
+@pytest.mark.parametrize("bins", [1, 2, 5, 36, 37])
+def test_indices_around_the_whole_turn(bins):
+    axis = Axis.full_turn("Angle", bins)
+    ends = [math.pi, -math.pi, math.nextafter(-math.pi, 0.0), math.nextafter(math.pi, 0.0)]
+    angles = np.array([*np.linspace(-10, 10, 2001), *ends])
+    indices = axis.index(angles)
+    assert indices.tolist() == [axis.index(angle) for angle in angles.tolist()]
+    assert set(indices.tolist()) == set(range(bins))
+    assert (np.diff(axis.edges) > 0).all()
+    assert axis.edges[0] <= -math.pi + 1e-12, "bins begin at or before the seam and come in order of angle"
+    assert axis.index(axis.centres).tolist() == list(range(bins))
+    assert 0.0 in axis.centres
+    assert ((axis.centres > -math.pi) & (axis.centres <= math.pi)).all()
+
+
 def test_distance_bins_are_open_ended():
     axis = Axis.linear("Distance", 0.01, 3)
     assert axis.index(0.0) == 0
