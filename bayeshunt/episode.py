@@ -52,7 +52,7 @@ class Step(NamedTuple):
             "objective": plan.objective,
             "nodes": plan.nodes,
             "evidence_probability": np.nan if plan.evidence_probability is None else plan.evidence_probability,
-            "support": -1 if plan.support is None else int(plan.support),
+            "support": plan.support,
             "posterior": None if plan.posterior is None else np.asarray(plan.posterior).tolist(),
             "posterior_entropy": np.nan if plan.posterior is None else float(entropy(plan.posterior)),
             "prey_known": plan.prey_known,
@@ -68,6 +68,14 @@ class Step(NamedTuple):
             "prey_table": _prey_table(learned),
         }
         return cls(values, plan, situation)
+
+
+def _typed(frame: pd.DataFrame) -> pd.DataFrame:
+    """The table with the support as integers that may be missing; an episode without a decision has no columns."""
+    if "support" not in frame:
+        return frame
+    support = frame["support"].astype("Int64")
+    return frame.assign(support=support.mask(support < 0))  # earlier files say -1
 
 
 def _path(name: str, path: Polar | None) -> dict[str, list[float] | None]:
@@ -128,10 +136,11 @@ class Episode:
     """One hunt.
 
     caught: whether the prey was caught. time: seconds to the catch (the time limit if missed).
-    frame: one row per decision; columns in README, units metres, seconds, radians. World poses
+    frame: one row per decision; units metres, seconds, radians. World poses
         (``hunter_*``, ``prey_*``) are counter-clockwise, what the hunter sees (``seen_*``,
         ``target_*``) clockwise; ``observed_*`` is the prey transition learned before the decision,
-        ``expected_*`` the prey model's mean transition after it; ``support`` is -1 where not asked.
+        ``expected_*`` the prey model's mean transition after it; ``support`` (Int64) is missing where
+        it was not asked or, in a network that was imported, is unknown.
         Lists: ``predicted_*`` and ``planned_*`` are the prey and the hunter 0..T steps ahead as the
         hunter sees them; ``alternative_values`` the least value under each of ``alternative_gaits``;
         ``prey_table`` the prey's [distance, angle, heading, count] per cell seen.
@@ -153,7 +162,7 @@ class Episode:
         cls, steps: list[Step], trail: list[Any], result: Any, *, settings: ExperimentSettings, **origin: Any
     ) -> Episode:
         """Build an episode from its steps, its recorded moments and its result."""
-        frame = pd.DataFrame([step.values for step in steps])
+        frame = _typed(pd.DataFrame([step.values for step in steps]))
         path = pd.DataFrame(
             [(m.time, *m.hunter, *m.prey) for m in trail],
             columns=list(_TRAIL),
@@ -199,6 +208,6 @@ class Episode:
             if record is None or record["kind"] != _KIND:
                 raise KeyError("kind")
             trail = pd.DataFrame(record.pop("trail"), columns=list(_TRAIL))
-            return cls(record["caught"], record["time"], table.to_pandas(), trail, record)
+            return cls(record["caught"], record["time"], _typed(table.to_pandas()), trail, record)
         except (ValueError, KeyError, TypeError):  # they speak of Python
             raise DataError(f"{os.fspath(path)}: not an episode, or damaged; {mend}") from None

@@ -39,7 +39,7 @@ def assess(
     """
     from bayeshunt import dataset
     from bayeshunt.models.assess import assess as run
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
     from bayeshunt.settings import load_robot
 
     if out is not None:
@@ -47,7 +47,7 @@ def assess(
         if out.suffix not in (".png", ".svg"):
             raise InputError(f"{out}: expected a file name that ends in .png or .svg")
     frame = dataset.load(data)
-    forward = None if model is None else ForwardModel.load(model)
+    forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits
     widths = (distance_bin, angle_bins, heading_bins)
     result = run(

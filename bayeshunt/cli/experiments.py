@@ -57,13 +57,13 @@ def evaluate(
     Example:  bayeshunt evaluate --runs 100 --seed 0 --out results
     """
     from bayeshunt.experiments import runner, store
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
     from bayeshunt.views import terminal
 
     settings = runner.experiment_settings(read_experiment(preset, config, overrides), runs)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)
-    forward = None if model is None else ForwardModel.load(model)
+    forward = None if model is None else open_model(model, settings.robot.gaits)
     total = count_hunts(settings, planners, arena)
     with stoppable(lambda: _kept(out)), terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
         results = runner.evaluate(

@@ -19,6 +19,7 @@ from bayeshunt.cli.options import (
     count_hunts,
     load_or_learn,
     read_experiment,
+    settings_of,
     tell,
 )
 from bayeshunt.errors import InputError
@@ -55,7 +56,7 @@ def figures(
     settings = (
         runner.experiment_settings(read_experiment(preset, config, overrides), runs)
         if hunts is None
-        else _settings_of(hunts, results)
+        else settings_of(hunts, results)
     )
     folder = store.check_output_folder(out)
     forward = load_or_learn(model, settings, seed)
@@ -65,14 +66,6 @@ def figures(
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
     names = [path.name for path in written]
     tell({"out": str(out), "files": names}, as_json, _listed(out, names))
-
-
-def _settings_of(hunts: Any, folder: Any) -> Any:
-    """The settings that the results were made with."""
-    from bayeshunt.config import ExperimentSettings
-    from bayeshunt.settings import parse
-
-    return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
 
 
 def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
@@ -103,7 +96,9 @@ def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
 
 @app.command(short_help="Write every table of a model as CSV.")
 def export(
-    model: Annotated[Path, typer.Argument(help="Model file made by bayeshunt fit.", show_default=False)],
+    model: Annotated[
+        Path, typer.Argument(help="Model file made by bayeshunt fit, or a network (.xmlbif, .bif).", show_default=False)
+    ],
     out: Annotated[Path, typer.Option(help="Folder for the CSV files.")],
     xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
     as_json: Json = False,
@@ -114,11 +109,11 @@ def export(
     """
     from bayeshunt.cli.options import check_parent
     from bayeshunt.experiments.store import check_output_folder
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
 
     if xmlbif is not None:
         check_parent(xmlbif, made=out)
-    forward = ForwardModel.load(model)
+    forward = open_model(model)
     names = [path.name for path in forward.to_csv(check_output_folder(out))]
     lines = [_listed(out, names)]
     if xmlbif is not None:

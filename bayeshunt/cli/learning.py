@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, complete_robot, tell
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.errors import InputError
 
@@ -19,7 +19,10 @@ from bayeshunt.errors import InputError
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
 def babble(
     out: Annotated[Path, typer.Option(help="Parquet file to write.")],
-    robot: Annotated[str, typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.")] = "khepera",
+    robot: Annotated[
+        str,
+        typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.", autocompletion=complete_robot),
+    ] = "khepera",
     steps: Annotated[int, typer.Option(help="Number of gaits to execute.")] = 2000,
     seed: Seed = 0,
     jobs: Annotated[int, typer.Option(help="Worker processes for more than 100,000 steps; -1: one per core.")] = -1,
@@ -63,7 +66,8 @@ def fit(
     xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     structure: Annotated[
-        str, typer.Option(help="naive (the paper), tan, joint or learned: what depends on what; see assess.")
+        str,
+        typer.Option(help="naive (the paper), tan, joint, previous_gait or learned: what depends on what; see assess."),
     ] = "naive",
     as_json: Json = False,
     quiet: Quiet = False,
@@ -82,18 +86,20 @@ def fit(
     maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
     rows = sum(table.rows for table in tables)
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        joint, provenance = count_tables(tables, maker.gaits, progress=advance)
-    model = ForwardModel.from_counts(joint, prior, structure=structure, provenance=provenance)
+        counts, provenance = count_tables(tables, maker.gaits, structure=structure, progress=advance)
+    model = ForwardModel.from_counts(counts, prior, structure=structure, provenance=provenance)
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)
     facts = {
-        "out": str(out), "rows": rows, "prior": prior, "log_likelihood": model.log_likelihood(joint),
+        "out": str(out), "rows": counts.total, "prior": prior, "log_likelihood": model.log_likelihood(counts),
         "bins": {axis.name: axis.bins for axis in model.axes},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
-    tell(facts, as_json, f"{out}: {rows} rows, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
+    first = rows - counts.total
+    left_out = f" ({first} more had no gait before)" if first else ""
+    tell(facts, as_json, f"{out}: {counts.total} rows{left_out}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
 
 
 @app.command(short_help="Ask which gait reaches a target, and on what grounds.")
@@ -104,7 +110,10 @@ def query(
     distance: Annotated[float, typer.Option(help="Distance of the target [m].")],
     angle: Annotated[float, typer.Option(help="Bearing of the target [rad, clockwise].")],
     heading: Annotated[float | None, typer.Option(help="Heading wanted there [rad, clockwise].")] = None,
-    no_snap: Annotated[bool, typer.Option("--no-snap", help="Refuse a target that was never babbled.")] = False,
+    previous_gait: Annotated[
+        str | None, typer.Option(help="Gait executed just before, for a model of structure previous_gait.")
+    ] = None,
+    no_snap: Annotated[bool, typer.Option("--no-snap", help="Refuse a target of probability 0.")] = False,
     explain: Annotated[bool, typer.Option("--explain", help="Say what each variable speaks for or against.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -112,9 +121,14 @@ def query(
 
     Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
     """
+    from bayeshunt.models.interchange import open_model
     from bayeshunt.models.inverse import InverseModel
+    from bayeshunt.models.structures import depends_on_previous
 
-    answer = InverseModel(_open(model)).posterior(distance, angle, heading, snap=not no_snap)
+    forward = open_model(model)
+    if previous_gait is not None and not depends_on_previous(forward.structure):
+        raise InputError(f"{model}: what a gait does depends on no gait before; fit with --structure previous_gait")
+    answer = InverseModel(forward).after(previous_gait).posterior(distance, angle, heading, snap=not no_snap)
     if as_json:
         facts = {
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
@@ -131,14 +145,6 @@ def query(
     terminal.posterior_bars(answer)
     if explain:
         terminal.explanation_table(answer)
-
-
-def _open(path: Path) -> Any:
-    """A forward model from our own model file, or from a network of another program."""
-    from bayeshunt.models.forward import ForwardModel
-    from bayeshunt.models.interchange import KINDS, read_network
-
-    return read_network(path) if path.suffix.lower() in KINDS else ForwardModel.load(path)
 
 
 def _plain(frame: Any) -> dict[str, dict[str, Any]]:

@@ -12,6 +12,21 @@ import typer
 from bayeshunt.errors import InputError
 from bayeshunt.files import check_target
 
+
+def complete_planner(incomplete: str) -> list[str]:
+    """Return the planners that a word on the command line may become."""
+    from bayeshunt.planners.registry import planner_names
+
+    return [name for name in planner_names() if name.startswith(incomplete)]
+
+
+def complete_robot(incomplete: str) -> list[str]:
+    """Return the robots that ship and that a word on the command line may become."""
+    from bayeshunt.settings import preset_names
+
+    return [name for name in preset_names("robots") if name.startswith(incomplete)]
+
+
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of text.")]
 Seed = Annotated[int, typer.Option(help="One seed, one result, bit for bit.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
@@ -24,11 +39,16 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", help="Change one setting, e.g. prey.speed=0.04; may be given several times."),
 ]
-Planners = Annotated[list[str] | None, typer.Option(help="Planner; may be given several times.")]
+Planners = Annotated[
+    list[str] | None, typer.Option(help="Planner; may be given several times.", autocompletion=complete_planner)
+]
 Arenas = Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")]
 Runs = Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")]
-Model = Annotated[Path | None, typer.Option(help="Forward model made by fit; by default one is babbled and fitted.")]
+Model = Annotated[
+    Path | None,
+    typer.Option(help="Model made by fit, or a network (.xmlbif, .bif); by default one is babbled and fitted."),
+]
 
 
 def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
@@ -90,14 +110,22 @@ def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | N
     return chosen
 
 
+def settings_of(hunts: Any, folder: Any) -> Any:
+    """Return the settings that the results in a folder were made with."""
+    from bayeshunt.config import ExperimentSettings
+    from bayeshunt.settings import parse
+
+    return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
+
+
 def load_or_learn(path: Path | None, settings: Any, seed: int) -> Any:
     """Load the model, or babble and fit one."""
     from bayeshunt.experiments.protocol import learn_model
     from bayeshunt.experiments.runner import check_model
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
 
     if path is None:
         return learn_model(settings, seed)
-    model = ForwardModel.load(path)
+    model = open_model(path, settings.robot.gaits)
     check_model(model, settings)
     return model

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Model, Quiet, check_parent, tell
+from bayeshunt.cli.options import Json, Model, Quiet, check_parent, settings_of, tell
 
 
 @app.command(short_help="Write a page that plays a recorded hunt.")
@@ -25,12 +25,12 @@ def replay(
     Example:  bayeshunt replay hunt.parquet --out hunt.html
     """
     from bayeshunt.episode import Episode
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
     from bayeshunt.views.commands import model_option
     from bayeshunt.views.replay import write_replay
 
     check_parent(out)
-    forward = None if model is None else ForwardModel.load(model)
+    forward = None if model is None else open_model(model)
     write_replay(Episode.load(episode), out, model=forward, source=model_option(model))
     tell({"out": str(out), "bytes": out.stat().st_size}, as_json, f"{out}: open it in a browser to play the hunt")
 
@@ -51,13 +51,13 @@ def report(
     Example:  bayeshunt report results --out report.html
     """
     from bayeshunt.experiments.store import load_results
-    from bayeshunt.models.forward import ForwardModel
+    from bayeshunt.models.interchange import open_model
     from bayeshunt.views import terminal
     from bayeshunt.views.report import write_report
 
     check_parent(out)
     frame = load_results(results)
-    forward = None if model is None else ForwardModel.load(model)
+    forward = None if model is None else open_model(model, settings_of(frame, results).robot.gaits)
     total = len(frame[["planner", "arena"]].drop_duplicates())
     with terminal.progress_bar("replaying", total, quiet=quiet or as_json) as advance:
         name = None if model is None else str(model)

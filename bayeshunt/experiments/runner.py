@@ -77,7 +77,9 @@ def evaluate(
     if model is not None:
         check_minds(planners, model, settings)
         if out is not None and not model.has_counts:
-            raise InputError("an imported network has no counts, which a folder of results needs; evaluate without out")
+            raise InputError(
+                "an imported network has no counts, which a folder of results needs; evaluate without out (--out)"
+            )
     with contextlib.ExitStack() as stack:
         database = None
         if out is not None:

@@ -150,7 +150,7 @@ def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]
 
 
 def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[str, Any]:
-    """Scores of a model's own tables: held out only if it has not counted these rows."""
+    """Scores of a model's own tables: held out only if it has not counted these rows; None where nobody knows."""
     seen = rows.codes[:, -4:]
     inside = seen[:, 1] < model.axes.distance.bins
     probability = np.zeros(len(seen))
@@ -164,11 +164,11 @@ def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[st
         log_loss = float(-np.log(probability).mean())
     return {
         "structure": model.structure.name,
-        "prior": model.prior,
+        "prior": model.prior if model.has_counts else None,
         "log_loss": log_loss,
         "impossible": int((~possible).sum()),
         "log_loss_of_possible": float(-np.log(probability[possible]).mean()) if possible.any() else math.nan,
-        "same_rows": model.joint == type(model.joint).of(frame, model.gaits, model.axes),
+        "same_rows": model.joint == type(model.joint).of(frame, model.gaits, model.axes) if model.has_counts else None,
     }
 
 

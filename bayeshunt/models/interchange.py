@@ -16,7 +16,7 @@ from bayeshunt.files import write_text
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.models import network, xmlbif
 from bayeshunt.models.imported import ImportedModel
-from bayeshunt.models.structures import Structure
+from bayeshunt.models.structures import Structure, depends_on_previous
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
@@ -32,7 +32,8 @@ def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]
 
     One row per cell: gait, bin, low and high (edges of the bin, m or rad; not in gait.csv),
     probability, count, ci_low and ci_high (95 % credible interval). An imported model has no counts:
-    those three columns are empty. Numbers are written in full.
+    those three columns are empty. Numbers are written in full. Where the gait before is a cause, the
+    effects' tables start with a column previous_gait.
     """
     paths = []
     for variable in network.VARIABLES:
@@ -44,6 +45,13 @@ def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]
 
 def cells(model: ForwardModel, variable: str) -> pd.DataFrame:
     """Return a table as one row per cell, the columns of :func:`write_csv`; gaits vary slowest."""
+    if depends_on_previous(model.structure) and variable != "Gait":
+        parts = {name: _cells(model.after(name), variable) for name in model.gaits.names}
+        return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
+    return _cells(model, variable)
+
+
+def _cells(model: ForwardModel, variable: str) -> pd.DataFrame:
     shown = model.table(variable)
     values = shown.probability.to_numpy()
     bins, columns = values.shape
@@ -72,10 +80,40 @@ def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAx
     Any edges into Distance, Angle and Heading will do. Raises InputError in one line for an
     unreadable file, other variables or edges, states that do not fit, or columns that do not sum to 1.
     """
+    found, labels = _open(path)
+    return _model(found, labels, gaits, axes, os.fspath(path))
+
+
+def open_model(path: str | os.PathLike[str], gaits: GaitRepertoire | None = None) -> ForwardModel:
+    """Read a forward model: a model file or, by its ending, a network of another program.
+
+    gaits: the robot's; a network whose gaits have the same names takes their order and commands from it.
+
+    Raises ModelFileError or InputError in one line.
+    """
+    if not is_network(path):
+        from bayeshunt.models.forward import ForwardModel
+
+        return ForwardModel.load(path)
+    found, labels = _open(path)
+    same = gaits is not None and set(gaits.names) == set(labels["Gait"])
+    return _model(found, labels, gaits if same else None, None, os.fspath(path))
+
+
+def is_network(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file's name ends as those of networks do."""
+    return Path(path).suffix.lower() in KINDS
+
+
+def _open(path: str | os.PathLike[str]) -> tuple[Any, dict[str, list[str]]]:
+    """The pgmpy network in a file, and the labels of its states in the file's order."""
     name = os.fspath(path)
     found = _read(Path(path), name)
     _check_variables(found, name)
-    labels = _labels(found, Path(path), name)
+    return found, _labels(found, Path(path), name)
+
+
+def _model(found: Any, labels: dict[str, list[str]], gaits: Any, axes: EffectAxes | None, name: str) -> ImportedModel:
     repertoire = GaitRepertoire.of(labels["Gait"] if gaits is None else gaits)
     grid = axes if axes is not None else _axes(labels, name)
     order = {"Gait": _positions(labels["Gait"], repertoire.names, "Gait", name)}

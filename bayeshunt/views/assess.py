@@ -102,8 +102,13 @@ def _structures(assessment: Assessment, out: Console) -> None:
 
 
 def _given(given: dict[str, Any], out: Console) -> None:
-    held = "it counted these very rows: not held out" if given["same_rows"] else "its own tables on these rows"
-    out.print(Text(f"\nThe model given ({given['structure']}, prior {given['prior']:g}): {held}", style="bold"))
+    held = {
+        True: "it counted these very rows: not held out",
+        False: "its own tables on these rows",
+        None: "imported, so it may have been made from these very rows",
+    }[given["same_rows"]]
+    prior = "" if given["prior"] is None else f", prior {given['prior']:g}"
+    out.print(Text(f"\nThe model given ({given['structure']}{prior}): {held}", style="bold"))
     out.print(f"log-loss {_number(given['log_loss'])}; {given['impossible']} rows have probability 0;", end=" ")
     out.print(f"log-loss of the others {_number(given['log_loss_of_possible'])}")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -351,6 +352,15 @@ def test_a_model_brings_its_structure_and_its_own_scores(babbled: pd.DataFrame) 
     assert other.given["same_rows"] is False
     assert other.given["impossible"] > 0
     assert math.isfinite(other.given["log_loss_of_possible"])
+
+
+def test_nobody_knows_the_rows_of_an_imported_model(babbled: pd.DataFrame, tmp_path: Path) -> None:
+    bh.ForwardModel.fit(babbled, bh.load_robot("khepera").gaits).to_xmlbif(tmp_path / "model.xmlbif")
+    model = bh.import_network(tmp_path / "model.xmlbif")
+    found = bh.assess(babbled, model=model, permutations=1, structures=[])
+    assert (found.given["same_rows"], found.given["prior"]) == (None, None)
+    assert found.to_dict()["given"]["same_rows"] is None
+    assert "(naive): imported, so it may have been made from these very rows" in str(found)
 
 
 def test_rows_of_a_gait_that_a_model_never_chooses_are_impossible_to_it() -> None:

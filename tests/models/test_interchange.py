@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -152,6 +153,27 @@ def test_the_support_of_an_import_is_unknown(pair) -> None:
     assert table["support"].dtype == pd.Int64Dtype()
     assert table["support"].isna().all()
     assert repr(theirs.posterior(0.15, 0.3)).endswith("support unknown>")
+
+
+def test_a_hunt_records_what_is_unknown_as_missing(pair, tmp_path: Path) -> None:
+    model, imported = pair[0], bh.import_network(pair[1])
+    unknown = pd.array([None], dtype="Int64")
+    for mind, planner, known in ((model, "reactive", True), (imported, "reactive", False), (model, "planning", False)):
+        episode = bh.hunt("paper", bh.make_planner(planner, mind), arena="open", theta=1.0, seed=0)
+        support = episode.frame["support"]
+        assert support.dtype == unknown.dtype
+        assert support.notna().all() if known else support.isna().all()
+        assert (episode.frame["evidence_probability"].notna() == (planner == "reactive")).all()
+        if planner == "reactive":
+            assert (episode.plans[0].trace["support"].notna() == known).all()
+        episode.save(tmp_path / "hunt.parquet")
+        assert bh.Episode.load(tmp_path / "hunt.parquet").frame["support"].equals(support)
+
+
+def test_an_earlier_file_of_a_hunt_says_minus_one_where_nobody_asked(pair, tmp_path: Path) -> None:
+    episode = bh.hunt("paper", bh.make_planner("planning", pair[0]), arena="open", theta=1.0, seed=0)
+    replace(episode, frame=episode.frame.assign(support=-1)).save(tmp_path / "hunt.parquet")
+    assert bh.Episode.load(tmp_path / "hunt.parquet").frame["support"].isna().all()
 
 
 def test_the_tables_of_an_import_have_probabilities_alone(pair) -> None:

@@ -20,12 +20,19 @@ def shown(khepera_frame, khepera_model, tmp_path_factory) -> SimpleNamespace:
     path = tmp_path_factory.mktemp("shown") / "hunt.parquet"
     planned.save(path)
     model.to_xmlbif(path.with_suffix(".xmlbif"))
+    imported = bh.import_network(path.with_suffix(".xmlbif"))
+    aimed = bh.hunt("paper", bh.make_planner("reactive", imported), arena="walled", theta=4.0, seed=3)
     return SimpleNamespace(
         model=model,
         tree=bh.ForwardModel.fit(khepera_frame, gaits, prior=0.5, structure="tan"),
         joint=bh.ForwardModel.fit(khepera_frame, gaits, structure="joint"),
         empty=bh.ForwardModel.empty(gaits),
-        imported=bh.import_network(path.with_suffix(".xmlbif")),
+        imported=imported,
+        imported_inverse=bh.InverseModel(imported),
+        imported_answer=bh.InverseModel(imported).posterior(0.3, 3.0, 0.7),
+        imported_table=imported.table("Angle"),
+        imported_aim=aimed.plans[2],
+        imported_hunt=aimed,
         inverse=bh.InverseModel(model),
         answer=bh.InverseModel(smooth).posterior(0.151, 0.55),
         snapped=bh.InverseModel(model).posterior(0.3, 3.0, 0.7),
@@ -44,6 +51,7 @@ def shown(khepera_frame, khepera_model, tmp_path_factory) -> SimpleNamespace:
 #: What of it shows itself.
 NAMES = (
     "model", "tree", "joint", "empty", "imported", "inverse", "answer", "snapped", "table", "gait_table", "prey",
+    "imported_inverse", "imported_answer", "imported_table", "imported_aim", "imported_hunt",
     "no_prey", "plan", "aim", "episode", "long", "loaded",
 )  # fmt: skip
 

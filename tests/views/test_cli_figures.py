@@ -99,3 +99,30 @@ def test_query_reads_networks_of_other_programs(model_file) -> None:
                     (model_file, model_file.with_suffix(".xmlbif")))  # fmt: skip
     assert theirs["probabilities"] == pytest.approx(ours["probabilities"], abs=1e-12)
     assert theirs["evidence"] == ours["evidence"]
+
+
+def test_a_network_answers_every_command_that_needs_no_counts(model_file, tmp_path) -> None:
+    network = model_file.with_suffix(".xmlbif")
+    ours, theirs = (
+        json.loads(run("hunt", "--model", path, "--planner", "planning", "--json").stdout)
+        for path in (model_file, network)
+    )
+    assert theirs == ours
+    assert run("export", network, "--out", tmp_path / "tables").exit_code == 0
+    refused = run("evaluate", "--model", network, "--runs", 1, "--out", tmp_path / "results")
+    assert isinstance(refused.exception, bh.InputError)
+    assert not (tmp_path / "results").exists()
+
+
+def test_what_a_network_does_not_know_is_null(model_file) -> None:
+    target = ("--distance", 0.15, "--angle", 0.4)
+    ours, theirs = (
+        json.loads(run("query", path, *target, "--json").stdout)["support"]
+        for path in (model_file, model_file.with_suffix(".xmlbif"))
+    )
+    assert isinstance(ours, int)
+    assert theirs is None
+    assert (
+        "unknown: an imported network carries no counts"
+        in run("query", model_file.with_suffix(".xmlbif"), *target).stdout
+    )

@@ -11,7 +11,7 @@ from html_checks import NASTY, Reader
 
 import bayeshunt as bh
 from bayeshunt import displays
-from bayeshunt.views import display_html, display_models, display_tables, display_text, svg_network, theme
+from bayeshunt.views import display_html, display_models, display_tables, display_text, grounds, svg_network, theme
 
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
@@ -221,6 +221,41 @@ def test_answers_show_what_they_rest_on(shown) -> None:
         lit = [e["text"] for e in page.find("tr", "bh-lit")]
         assert lit
         assert all(text.startswith(answer.best) for text in lit)
+
+
+IMPORTED = ("imported", "imported_inverse", "imported_answer", "imported_table", "imported_aim", "imported_hunt")
+
+
+@pytest.mark.parametrize("name", IMPORTED)
+def test_no_display_of_an_import_pretends_to_counts(shown, name: str) -> None:
+    thing = getattr(shown, name)
+    page = check(thing._repr_html_())
+    seen = page.text + " ".join(e["attributes"].get("title") or "" for e in page.elements) + str(thing) + repr(thing)
+    assert not re.search(r"\d rows|\d babbl|babbling rows|babbled|None|<NA>|nan|% interval|learned coordinates?,", seen)
+    assert not page.find("input")  # no switch to counts
+    assert not page.find("span", "bh-n")
+
+
+def test_what_is_unknown_of_an_import_is_said(shown) -> None:
+    for name, words in {
+        "imported": "no counts",
+        "imported_answer": "unknown: an imported network carries no counts",
+        "imported_table": "no counts",
+        "imported_aim": "unknown",
+    }.items():
+        thing = getattr(shown, name)
+        assert words in check(thing._repr_html_()).text
+        assert words in str(thing) or name == "imported_table"
+    hints = [e["text"] for e in check(shown.imported_inverse._repr_html_()).find("title")]
+    assert sum(hint.endswith("support unknown") for hint in hints) == len(shown.imported_inverse.table())
+    assert shown.imported_answer.snapped
+    assert "has probability 0" in str(shown.imported_answer)
+
+
+def test_one_row_is_one_row() -> None:
+    assert [grounds.rows(n) for n in (0, 1, 2, None)] == [
+        "0 babbling rows", "1 babbling row", "2 babbling rows", "unknown"
+    ]  # fmt: skip
 
 
 def test_snapping_is_said(shown) -> None:
