@@ -33,7 +33,8 @@ def sweep_figure(frame: pd.DataFrame) -> Figure:
     Raises InputError if there would be more than :data:`MAX_PANELS` columns.
     """
     axis, *others = [name for name in frame.columns if name not in COLUMNS]
-    panels = list(frame.groupby([*others, "arena"], sort=False, dropna=False))
+    # By the values' text: a value of a setting may be a list, which cannot be grouped by.
+    panels = list(frame.groupby([*(frame[name].map(str) for name in others), "arena"], sort=False))
     if len(panels) > MAX_PANELS:
         raise InputError(f"sweep: {len(panels)} panels are too many for a figure; sweep fewer axes or arenas")
     planners = list(dict.fromkeys(frame["planner"]))

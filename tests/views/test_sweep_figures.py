@@ -41,6 +41,14 @@ def test_other_axes_make_panels_and_too_many_are_refused():
         sweep_figure(a_sweep([1.0], arenas=tuple("abcdefg")))
 
 
+def test_values_may_be_lists():
+    frame = pd.concat([a_sweep([0.5, 0.9]).assign(thetas=[[theta]] * 4) for theta in (1.0, 2.0)])
+    figure = sweep_figure(frame)
+    assert [axes.get_title("left") for axes in figure.axes[:2]] == ["open, thetas = [1.0]", "open, thetas = [2.0]"]
+    figure = sweep_figure(frame.drop(columns="thetas").assign(speed_ratio=[[1], [1], [2], [2]] * 2))
+    assert [label.get_text() for label in figure.axes[1].get_xticklabels()] == ["[1]", "[2]"]
+
+
 def test_values_that_are_no_numbers_keep_their_order():
     frame = a_sweep([0.5, 0.9], planners=("planning",))
     frame["speed_ratio"] = ["straight", "evader"]
