@@ -40,6 +40,20 @@ def test_what_is_foreseen_happens(arena, begun):
         assert np.ptp(np.unwrap(poses.theta)) > 1.0
 
 
+@pytest.mark.parametrize("begun", [0.0, 9.984])
+@pytest.mark.parametrize(("width", "height"), [(0.9, 3.0), (3.0, 0.9)])
+def test_a_prey_that_runs_into_a_wall_is_foreseen_along_it(width, height, begun):
+    walls = {"arenas.walled.width": width, "arenas.walled.height": height, "prey.behaviour": "straight"}
+    world = trial("walled", **walls)
+    if begun:
+        world.run((0.0, 0.0), begun)
+    _, poses = foresee(world, 16.0)
+    world.run((0.0, 0.0), 16.0)
+    end = (poses.x[-1], poses.y[-1])
+    assert end == pytest.approx(world.prey.pose[:2], abs=1e-3)
+    assert end[0 if width < height else 1] == pytest.approx(0.45 - 0.0285, abs=2e-3)
+
+
 def test_foreseeing_changes_nothing():
     one, other = trial("walled", **{"prey.noise.slip": 0.1}), trial("walled", **{"prey.noise.slip": 0.1})
     foresee(one, 10.0)
