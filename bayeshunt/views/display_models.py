@@ -44,7 +44,7 @@ def forward_model(model: ForwardModel) -> Html:
 def _origin(model: ForwardModel) -> str:
     """Where the tables come from."""
     if not model.has_counts:
-        return f"imported: {grounds.NO_COUNTS}"
+        return "imported network"
     sources = len(model.provenance.get("sources", []))
     if sources:
         return f"learned from {sources} babbling table{'s' if sources != 1 else ''}"

@@ -49,7 +49,9 @@ def heat_table(shown: ProbabilityTable) -> Html:
     switch = tag("label", tag("input", type="checkbox"), "show counts", class_="bh-switch") if behind else None
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
-    body = tag("div", table([shown.variable, *columns], rows, class_="bh-heat"), class_="bh-readout")
+    hint = f"Hover a cell for its {'count and interval' if behind else 'probability'}."
+    heat = table([shown.variable, *columns], rows, class_="bh-heat")
+    body = tag("div", heat, class_="bh-readout", data_hint=hint)
     return tag("div", switch, body, note, class_="bh-table")
 
 

@@ -57,7 +57,7 @@ _RULES = """
 .bh .bh-heat td{background:rgba(var(--bh-heat),var(--p,0))}
 .bh .bh-heat td:hover{outline:2px solid var(--bh-accent);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
-.bh .bh-readout::before{content:"Hover a cell for its count and interval.";color:var(--bh-faint);
+.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
  position:absolute;left:0;bottom:0;font-size:12px}
 .bh .bh-readout:has(td:hover)::before{content:""}
 .bh .bh-readout td:hover::after{content:attr(title);position:absolute;left:0;bottom:0;font-size:12px;

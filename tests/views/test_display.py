@@ -230,15 +230,15 @@ IMPORTED = ("imported", "imported_inverse", "imported_answer", "imported_table",
 def test_no_display_of_an_import_pretends_to_counts(shown, name: str) -> None:
     thing = getattr(shown, name)
     page = check(thing._repr_html_())
-    seen = page.text + " ".join(e["attributes"].get("title") or "" for e in page.elements) + str(thing) + repr(thing)
-    assert not re.search(r"\d rows|\d babbl|babbling rows|babbled|None|<NA>|nan|% interval|learned coordinates?,", seen)
+    hints = (e["attributes"].get(name) or "" for e in page.elements for name in ("title", "data-hint"))
+    seen = " ".join([page.text, *hints, str(thing), repr(thing)])
+    assert not re.search(r"\d rows|\d babbl|babbling rows|babbled|None|<NA>|nan|interval\b|learned coordinate", seen)
     assert not page.find("input")  # no switch to counts
     assert not page.find("span", "bh-n")
 
 
 def test_what_is_unknown_of_an_import_is_said(shown) -> None:
     for name, words in {
-        "imported": "no counts",
         "imported_answer": "unknown: an imported network carries no counts",
         "imported_table": "no counts",
         "imported_aim": "unknown",
