@@ -85,6 +85,7 @@ def fit(
     tables = open_tables(data)
     maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
     rows = sum(table.rows for table in tables)
+    counts: Any
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
         counts, provenance = count_tables(tables, maker.gaits, structure=structure, progress=advance)
     model = ForwardModel.from_counts(counts, prior, structure=structure, provenance=provenance)
@@ -97,9 +98,8 @@ def fit(
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
-    first = rows - counts.total
-    left_out = f" ({first} more had no gait before)" if first else ""
-    tell(facts, as_json, f"{out}: {counts.total} rows{left_out}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
+    counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")
+    tell(facts, as_json, f"{out}: {counted}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
 
 
 @app.command(short_help="Ask which gait reaches a target, and on what grounds.")

@@ -218,8 +218,7 @@ def posterior_bars(answer: Any) -> None:
     """Print a posterior over gaits as bars, with what it rests on."""
     from bayeshunt.views import grounds
 
-    cell = answer.cell
-    out.print(Text("P(Gait | Distance, Angle" + (", Heading)" if cell.heading_label else ")"), style="bold"))
+    out.print(Text(f"P(Gait | {', '.join(answer.evidence)})", style="bold"))
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column("gait", no_wrap=True)
     table.add_column("bar", no_wrap=True, min_width=_BAR)
@@ -228,7 +227,9 @@ def posterior_bars(answer: Any) -> None:
         style = "bold" if gait == answer.best else None
         table.add_row(Text(str(gait)), _bar(float(probability)), f"{probability:.4f}", style=style)
     out.print(table)
-    used = ", ".join(f"{k} {v}" for k, v in answer.evidence.items())
+    used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
+    for variable, state in answer.model.known.items():
+        out.print(Text(f"{variable:<21}{state}"))
     out.print(f"{grounds.coordinate_used(answer.model):<18}   {used}")
     if answer.snapped:
         out.print(f"                     ({grounds.snapped(answer)})")
