@@ -86,7 +86,9 @@ class PlanningPlanner:
     over sampled hunter outcomes of the distance to the prey predicted T steps ahead. The plan is the
     sequence of least value among all nodes generated; a tie goes to the one generated first, and
     children are generated in gait order. While the prey model is empty the prey is taken to stand
-    still, and ``prey_known`` is False. ``rng`` picks the block of samples.
+    still, and ``prey_known`` is False. ``rng`` picks the block of samples. In a model of structure
+    "previous_gait" each outcome is drawn given the gait before: within the sequence and, for its first
+    gait, the one just executed (at the start of a hunt it is not known, and summed over).
     """
 
     name = "planning"
@@ -95,19 +97,19 @@ class PlanningPlanner:
         self.settings = settings = PlanningSettings() if settings is None else settings
         self.gaits = tuple(model.gaits.names)
         outcomes = Outcomes.draw(model, settings.depth, settings.samples, settings.blocks, settings.bank_seed)
-        self.rollouts: CompiledRollouts | LazyRollouts
-        if self._compiles():
-            tree = GaitTree.grow(len(self.gaits), settings.depth, settings.max_transitions)
-            self.rollouts = CompiledRollouts(outcomes, tree)
-        else:
-            self.rollouts = LazyRollouts(outcomes, settings.max_transitions)
+        after = {self.gaits[gait]: outcomes.starting_after(gait) for gait in range(len(outcomes.after))}
+        make = self._maker(1 + len(after))
+        self.rollouts = make(outcomes)
+        #: Those of sequences that follow a gait, where that changes them.
+        self.rollouts_after = {gait: make(part) for gait, part in after.items()}
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Search, and return the best sequence found."""
         check_request(situation, rng)
         chosen = self.settings
         prey, known = predict_prey(situation, chosen.depth)
-        space = self.rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
+        rollouts = self.rollouts_after.get(situation.previous_gait or "", self.rollouts)
+        space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
         stop = chosen.stop_distance * situation.body_length
         tree = Search(chosen.order, chosen.depth, chosen.expansions, stop).run(space)
         gaits = tuple(self.gaits[space.gait(tree.handles[n])] for n in tree.branch(tree.best)[1:])
@@ -126,12 +128,19 @@ class PlanningPlanner:
             predicted_prey=prey,
         )
 
-    def _compiles(self) -> bool:
+    def _maker(self, banks: int) -> Callable[[Outcomes], CompiledRollouts | LazyRollouts]:
+        """Return what makes rollouts of outcomes: composed beforehand, if ``banks`` of them are not too many."""
+        chosen = self.settings
+        if not self._compiles(banks):
+            return partial(LazyRollouts, max_transitions=chosen.max_transitions)
+        return partial(CompiledRollouts, tree=GaitTree.grow(len(self.gaits), chosen.depth, chosen.max_transitions))
+
+    def _compiles(self, banks: int) -> bool:
         chosen = self.settings
         if chosen.rollouts != "auto":
             return chosen.rollouts == "compiled"
         nodes = count_nodes(len(self.gaits), chosen.depth, chosen.max_transitions, limit=_COMPILED_NODES)
-        return nodes <= _COMPILED_NODES and nodes * chosen.samples * chosen.blocks <= _COMPILED_POSES
+        return nodes <= _COMPILED_NODES and nodes * chosen.samples * chosen.blocks * banks <= _COMPILED_POSES
 
 
 def _trace(

@@ -28,7 +28,8 @@ class PredictionPlanner:
     """argmax of P(Gait | Distance, Angle) at the prey predicted T steps ahead (paper, prey prediction).
 
     While the prey model is empty it aims at the prey's present position, and the plan says so:
-    ``prey_known`` is False. A tie goes to the first gait in table order. ``rng`` is not used.
+    ``prey_known`` is False. In a model of structure "previous_gait", given the gait just executed as
+    well. A tie goes to the first gait in table order. ``rng`` is not used.
     """
 
     name = "prediction"
@@ -43,4 +44,5 @@ class PredictionPlanner:
         steps = steps_ahead(situation.prey.distance, situation.body_length)
         path, known = predict_prey(situation, steps)
         target = Polar(*(float(values[-1]) for values in path))
-        return aim(self.inverse, self.gaits, target, prey_known=known, predicted_prey=path)
+        inverse = self.inverse.after(situation.previous_gait)
+        return aim(inverse, self.gaits, target, prey_known=known, predicted_prey=path)

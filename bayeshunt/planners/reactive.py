@@ -17,7 +17,8 @@ from bayeshunt.planners.base import Plan, Situation, check_request
 class ReactivePlanner:
     """argmax of P(Gait | Distance, Angle) at the prey's present position (paper, reactive model).
 
-    A tie goes to the first gait in table order. ``rng`` is not used.
+    In a model of structure "previous_gait", given the gait just executed as well. A tie goes to the
+    first gait in table order. ``rng`` is not used.
     """
 
     name = "reactive"
@@ -29,7 +30,7 @@ class ReactivePlanner:
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of highest posterior at the prey's present position."""
         check_request(situation, rng)
-        return aim(self.inverse, self.gaits, situation.prey)
+        return aim(self.inverse.after(situation.previous_gait), self.gaits, situation.prey)
 
 
 def aim(inverse: InverseModel, gaits: tuple[str, ...], target: Polar, **known: Any) -> Plan:

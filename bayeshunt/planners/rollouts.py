@@ -1,7 +1,8 @@
 """Where the hunter would end up: sampled poses of every gait sequence, from the forward model.
 
 The outcomes are poses in the hunter's own present frame, so they do not depend on the situation:
-they are drawn and composed once, when a planner is made, and every decision reads them.
+they are drawn and composed once, when a planner is made, and every decision reads them. Where a gait's
+outcome depends on the gait before it, the first gait of a sequence follows the one just executed.
 
 Letters: B blocks of S samples, T depth, G gaits, N nodes (gait sequences, the empty one included).
 The same uniforms serve every gait at a given block, depth and sample (common random numbers), so
@@ -11,7 +12,7 @@ that two sequences differ by their gaits and not by their luck.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ import numpy as np
 from bayeshunt.errors import BayesHuntError
 from bayeshunt.geometry import Polar, wrap
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.structures import depends_on_previous
 
 # Nodes evaluated at a time: the temporaries then stay in cache and below malloc's mmap threshold.
 _CHUNK = 1024
@@ -126,21 +128,48 @@ class Outcomes:
     """Sampled outcomes of one time-step in the hunter's frame before it: arrays [B, T, S, G].
 
     forward, right: metres; heading: radians clockwise.
+    after: the outcomes right after each gait [G], if they depend on it; these are then for a gait
+        before that is not known.
     """
 
     forward: np.ndarray
     right: np.ndarray
     heading: np.ndarray
+    after: tuple[Outcomes, ...] = ()
 
     @classmethod
     def draw(cls, model: ForwardModel, depth: int, samples: int, blocks: int, seed: int) -> Outcomes:
-        """Draw from the forward model's tables with uniforms of a private generator seeded by ``seed``."""
+        """Draw from the forward model's tables with uniforms of a private generator seeded by ``seed``.
+
+        The same uniforms serve every gait before.
+        """
         uniforms = np.random.default_rng(seed).random((blocks, depth, samples, 6))
         drawn = model.outcomes(uniforms)  # Polar of [G, B, T, S]
-        arrays = [np.ascontiguousarray(np.moveaxis(a, 0, -1)) for a in (drawn.forward, drawn.right, drawn.heading)]
-        if not all(np.isfinite(a).all() for a in arrays):
+        forward, right, heading = (
+            np.ascontiguousarray(np.moveaxis(a, 0, -1)) for a in (drawn.forward, drawn.right, drawn.heading)
+        )
+        if not all(np.isfinite(a).all() for a in (forward, right, heading)):
             raise BayesHuntError("the forward model sampled a pose that is not finite")
-        return cls(*arrays)
+        parts = [model.after(gait) for gait in model.gaits] if depends_on_previous(model.structure) else []
+        after = tuple(cls.draw(part, depth, samples, blocks, seed) for part in parts)
+        return cls(forward, right, heading, after)
+
+    def moves(self, step: int, before: np.ndarray, gaits: np.ndarray) -> list[np.ndarray]:
+        """Return forward, right, heading [B, S, n] of ``gaits`` [n] executed after ``before`` [n] at a step.
+
+        before: -1 at the first step, which these outcomes themselves are for.
+        """
+        if not (self.after and step):
+            return [a[:, step][..., gaits] for a in (self.forward, self.right, self.heading)]
+        moved = np.empty((3, self.forward.shape[0], self.forward.shape[2], len(gaits)))
+        for gait, part in enumerate(self.after):
+            mine = before == gait
+            moved[..., mine] = part.moves(step, before[mine], gaits[mine])
+        return list(moved)
+
+    def starting_after(self, gait: int) -> Outcomes:
+        """Return the outcomes whose first step follows ``gait``; the same if that changes nothing."""
+        return replace(self.after[gait], after=self.after) if self.after else self
 
 
 class CompiledRollouts:
@@ -153,10 +182,9 @@ class CompiledRollouts:
         ends = np.searchsorted(tree.steps, np.arange(depth + 2))
         for step in range(depth):
             new = slice(ends[step + 1], ends[step + 2])
-            before = poses[..., tree.parents[new]]
-            gait = tree.gaits[new]
-            moved = (a[:, step][..., gait] for a in (outcomes.forward, outcomes.right, outcomes.heading))
-            poses[..., new] = _compose(*before, *moved)
+            parents = tree.parents[new]
+            moved = outcomes.moves(step, tree.gaits[parents], tree.gaits[new])
+            poses[..., new] = _compose(*poses[..., parents], *moved)
         poses.setflags(write=False)
         self.poses = poses
         self._first_child: list[int] = tree.first_child.tolist()
@@ -205,8 +233,11 @@ class LazySpace:
     """A search space whose handles are (T, gait, transitions, forward [S], right [S], heading [S])."""
 
     def __init__(self, rollouts: LazyRollouts, block: int, prey: Polar, objective: Objective) -> None:
-        outcomes = rollouts.outcomes
-        self._moves = [a[block] for a in (outcomes.forward, outcomes.right, outcomes.heading)]  # [T, S, G]
+        first, *after = (
+            [a[block] for a in (part.forward, part.right, part.heading)]  # [T, S, G]
+            for part in (rollouts.outcomes, *rollouts.outcomes.after)
+        )
+        self._moves, self._moves_after = first, after
         self._max_transitions, self._prey, self._objective = rollouts.max_transitions, prey, objective
 
     def root(self) -> tuple[Any, float]:
@@ -223,7 +254,8 @@ class LazySpace:
             return (), []
         free = gait < 0 or changes < self._max_transitions
         new = list(range(gaits)) if free else [gait]
-        moves = [a[step][:, new] for a in self._moves]
+        known = self._moves_after[gait] if self._moves_after and step else self._moves
+        moves = [a[step][:, new] for a in known]
         poses = _compose(*(a[:, None] for a in before), *moves)
         values = self._objective(HunterSamples(*poses, np.full(len(new), step + 1)), self._prey)
         children = [

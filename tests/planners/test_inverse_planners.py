@@ -105,6 +105,9 @@ def test_a_tie_goes_to_the_first_gait(small_model):
         def __init__(self, inverse):
             self.inverse = inverse
 
+        def after(self, previous_gait):
+            return self
+
         def posterior(self, distance, angle):
             answer = self.inverse.posterior(distance, angle)
 

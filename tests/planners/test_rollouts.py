@@ -74,7 +74,9 @@ def test_compiled_poses_are_composed_outcomes(small_model):
         at = Polar(0.0, 0.0, 0.0)
         for step, gait in enumerate(sequence_of(tree, node)):
             place = (block, step, sample, gait)
-            move = Polar.from_cartesian(*(float(a[place]) for a in vars(outcomes).values()))
+            move = Polar.from_cartesian(
+                *(float(a[place]) for a in (outcomes.forward, outcomes.right, outcomes.heading))
+            )
             at = at.compose(move)
         forward, right, heading = poses[:, block, sample, node]
         assert (forward, right) == pytest.approx((at.forward, at.right), abs=1e-12)
