@@ -94,6 +94,21 @@ def test_proportional_navigation_turns_with_the_line_of_sight(model):
     assert turns[0] > 0.1 > -0.1 > turns[1]
 
 
+def test_the_commanded_turn_by_hand(model):
+    """The line of sight turns by what a moment later shows, both robots having gone on straight."""
+    planner = ProportionalNavigation(model, navigation_constant=2.0)
+    prey, stride, moment = Polar(0.5, 0.4, 2.0), 0.1, 1e-6  # it goes 0.1 m a step along its heading
+    plan = planner.plan(situation(prey, (Polar(stride, 0.0, 0.0),)), rng=np.random.default_rng(0))
+    ahead = prey.forward + stride / STEP * moment * math.cos(prey.heading) - planner.steering.top_speed * moment
+    right = prey.right + stride / STEP * moment * math.sin(prey.heading)
+    turn = 2.0 * (math.atan2(right, ahead) - prey.angle) / moment * STEP
+    values = plan.trace.set_index("gait")["value"]
+    for gait in ("straight", "right", "hard left"):
+        assert values[gait] == pytest.approx(abs(float(model.predict(gait).heading) - turn), abs=1e-4)
+    slow = abs(float(model.predict("slow right").heading) - turn) + math.pi
+    assert values["slow right"] == pytest.approx(slow, abs=1e-4), "a slow gait only if there is no fast one"
+
+
 def test_proportional_navigation_holds_a_collision_course(model):
     """A prey that moves as the hunter does, far ahead and closing head-on: the bearing is constant, go straight."""
     case = situation(Polar(1.0, 0.0, math.pi), (Polar(0.1, 0.0, 0.0),) * 2)
