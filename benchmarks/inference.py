@@ -231,8 +231,9 @@ def compare_fits(ours: Callable[[], Any], theirs: Callable[[], Any]) -> dict[str
     return {"fit_s": mine, "pgmpy_s": pgmpys, "times_faster": pgmpys / mine, "max_difference": gap}
 
 
-def report(answers: list[dict[str, Any]], same: dict[str, Any], fit: list[dict[str, Any]]) -> str:
+def report(facts: dict[str, Any]) -> str:
     """The figures as text."""
+    answers, same, fit = facts["answers"], facts["agreement"], facts["fit"]
     lines = [f"{'one answer':<28}{'us':>10}{'x pgmpy':>10}{'x pyAgrum':>11}"]
     lines += [
         f"{row['asked']:<28}{row['us_per_answer']:>10.3f}"
@@ -269,7 +270,7 @@ def main() -> None:
     answers, same = answers_table(model, options.seed), agreement(frame, model, options.seed)
     fit = fit_table(frame, model, options.seed)
     record = {"answers": answers, "agreement": same, "fit": fit}
-    print(json.dumps(record) if options.json else report(answers, same, fit))
+    print(json.dumps(record) if options.json else report(record))
 
 
 if __name__ == "__main__":
