@@ -174,7 +174,8 @@ function render({ model, el }) {
   const root = element("div", undefined, "bh-explorer", el);
   const svg = shape("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, tabindex: 0, role: "application" }, root);
   const side = element("div", undefined, "side", root);
-  side.setAttribute("aria-live", "polite");
+  const status = element("p", undefined, "spoken", root); // one line: to hear the whole panel at each step is too much
+  status.setAttribute("role", "status");
   const field = drawField(svg, plane), tell = buildSide(side, scene);
   let waiting = 0, dragging = false;
 
@@ -183,6 +184,8 @@ function render({ model, el }) {
     field.point(distance, angle, answer);
     field.update(answer);
     tell(answer, distance, angle);
+    const spoken = `Most probable gait ${answer.best}; support ${answer.rows}.`;
+    if (status.textContent !== spoken) status.textContent = spoken;
     svg.setAttribute("aria-label", `Target ${(1000 * distance).toFixed(0)} millimetres at ${degrees(wrap(angle))}; ` +
       `most probable gait ${answer.best}. Arrow keys move the target.`);
   };

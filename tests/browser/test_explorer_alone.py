@@ -1,0 +1,54 @@
+"""The explorer's picture with a stand-in for its Python side: what the keyboard does and what is spoken."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.views.pages import asset
+
+pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
+
+PAGE = """<!doctype html><meta charset=utf-8><meta name=viewport content="width=device-width"><title>x</title>
+<body><div id=place></div><script>const state = {state}, told = [];
+const model = {{get: (k) => state[k], set: (k, v) => {{ state[k] = v; }}, on() {{}}, off() {{}},
+  save_changes: () => told.push([state.distance, state.angle])}};
+{script}
+explorer.render({{model, el: document.getElementById("place")}});</script>"""
+
+
+@pytest.fixture
+def page(open_page, model, tmp_path):
+    explorer = bh.Explorer(model, distance=0.1, angle=0.5)
+    state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
+    script = asset("explorer.js").replace("export default", "const explorer =")
+    text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{asset('explorer.css')}</style>"
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
+    page, watch = open_page(tmp_path / "page.html", viewport={"width": 360, "height": 800})
+    yield page
+    assert watch.errors == []
+
+
+def test_one_line_is_spoken_and_not_the_whole_panel(page, model):
+    answer = bh.InverseModel(model).posterior(0.1, 0.5)
+    assert page.get_by_role("status").inner_text().startswith(f"Most probable gait {answer.best}; support ")
+    assert page.locator("[aria-live]").count() == 0
+    label = page.get_by_role("application").get_attribute("aria-label")
+    assert label.startswith("Target 100 millimetres at 29°")
+
+
+def test_arrow_keys_tell_python_where_the_target_is(page, model):
+    page.get_by_role("application").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("told.length === 1")
+    distance, angle = page.evaluate("told[0]")
+    moved = bh.Polar(distance, angle, 0.0)
+    before = bh.Polar(0.1, 0.5, 0.0)
+    assert moved.right - before.right == pytest.approx(model.axes.distance.width)
+    assert moved.forward == pytest.approx(before.forward)
+
+
+def test_it_fits_a_phone(page):
+    assert page.evaluate("document.documentElement.scrollWidth") <= 360
