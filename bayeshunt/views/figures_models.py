@@ -18,6 +18,7 @@ from bayeshunt.views.figures_style import ACCENT, BAR, FAINT, INK, LINE, PREY, b
 
 _MOST_CELLS = 14
 _MOST_DOTS = 300  # per gait
+_LEAST, _SPREAD = 1e-3, 31.0  # dots of probabilities: the least shown; points^2 of a certain bin
 _TALLEST = 14.0  # inch
 
 
@@ -26,23 +27,22 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     """Return where each gait takes the robot (the paper's figure 1c): positions, and headings.
 
     Dots are the babbling rows if the model holds them, else the centres of the counted cells, larger
-    where more rows fell; lines are mean paths (straight to the mean end where part-way poses were not
-    recorded), discs mean ends.
+    where more rows fell, or in an imported network of the probable bins, larger where more probable;
+    lines are mean paths (straight to the mean end where part-way poses were not recorded), discs mean ends.
     """
     figure = Figure(figsize=(7.2, _height(model, 3.9)), layout="constrained")
     place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
     diameter = model.gaits.body_length * 1000
     body(place, 0, 0, 0, diameter, INK)
-    for index in np.flatnonzero(model.joint.marginal("Gait")).tolist():
+    counted = model.joint.marginal("Gait") if model.has_counts else np.ones(len(model.gaits))
+    for index in np.flatnonzero(counted).tolist():
         colour = theme.gait_colour(index)
-        ends, size = _ends(model, index)
+        ends, size, turns, turn_size = _ends(model, index)
         place.scatter(ends.right * 1000, ends.forward * 1000, s=size, color=colour, alpha=0.45, linewidths=0)
         path = _mean_path(model, index)
         place.plot(path[:, 1] * 1000, path[:, 0] * 1000, color=colour, linewidth=1.3)
         body(place, path[-1, 1] * 1000, path[-1, 0] * 1000, path[-1, 2], diameter, colour, linewidth=0.9)
-        turn.scatter(
-            np.degrees(ends.heading), np.full(len(size), index), s=size, color=colour, alpha=0.45, linewidths=0
-        )
+        turn.scatter(np.degrees(turns), np.full(len(turns), index), s=turn_size, color=colour, alpha=0.45, linewidths=0)
         turn.plot(math.degrees(path[-1, 2]), index, "|", color=colour, markersize=12, markeredgewidth=1.6)
     frame_axes(place)
     place.set_title("Where one step of each gait leads")
@@ -54,16 +54,32 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     return figure
 
 
-def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray]:
-    """Outcomes of one gait, Polar of arrays [N], and the sizes [N] of their dots."""
+def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+    """Where one gait ends, a Polar of arrays [N] with the sizes [N] of its dots, and its headings [M] with theirs."""
+    if not model.has_counts:
+        return _probable_ends(model, gait)
     if model.data:
         rows = model.rows("Gait", model.gaits.names[gait])
         rows = rows.iloc[:: max(1, len(rows) // _MOST_DOTS)]
-        return Polar(*(rows[name].to_numpy() for name in Polar._fields)), np.full(len(rows), 3.5)
+        ends, size = Polar(*(rows[name].to_numpy() for name in Polar._fields)), np.full(len(rows), 3.5)
+        return ends, size, ends.heading, size
     mine = model.joint.cells[:, 0] == gait
     cells, counts = model.joint.cells[mine], model.joint.counts[mine]
     places = (axis.centres[cells[:, column]] for column, axis in enumerate(model.axes, start=1))
-    return Polar(*places), 1 + 2.2 * np.sqrt(counts)
+    ends, size = Polar(*places), 1 + 2.2 * np.sqrt(counts)
+    return ends, size, ends.heading, size
+
+
+def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+    """The same from probabilities alone: bins of less than one in a thousand are left out."""
+    distance, angle, heading = model.axes
+    joint = model.evidence(*np.ogrid[: distance.bins, : angle.bins])[..., gait]
+    share = joint / max(joint.sum(), 1e-300)  # 0 throughout for a gait that is never chosen
+    d, a = np.nonzero(share > _LEAST)
+    turns = model.probabilities("Heading")[:, gait]
+    h = np.flatnonzero(turns > _LEAST)
+    ends = Polar(distance.centres[d], angle.centres[a], None)
+    return ends, 1 + _SPREAD * np.sqrt(share[d, a]), heading.centres[h], 1 + _SPREAD * np.sqrt(turns[h])
 
 
 def _height(model: ForwardModel, least: float) -> float:
@@ -81,8 +97,10 @@ def _name_gaits(axes: Axes, model: ForwardModel, length: int) -> None:
 
 def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
     """Mean poses [P + 2, 3] of a gait from the start: forward, right [m], heading [rad clockwise]."""
-    poses = model.mean_paths[gait] if model.mean_paths is not None else model.joint.mean_poses(gait)
-    return np.vstack([np.zeros(3), poses])
+    if model.mean_paths is not None:
+        return np.vstack([np.zeros(3), model.mean_paths[gait]])
+    end = model.predict(model.gaits[gait])
+    return np.array([[0.0, 0.0, 0.0], [end.forward, end.right, end.heading]])
 
 
 @styled

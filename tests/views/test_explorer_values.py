@@ -81,3 +81,16 @@ def test_without_anywidget_it_says_what_to_install():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "the explorer needs anywidget: pip install 'bayeshunt[notebook]'"
+
+
+def test_the_explorer_of_an_import_knows_no_support(khepera_model, tmp_path):
+    khepera_model.to_xmlbif(tmp_path / "model.xmlbif")
+    imported = bh.import_network(tmp_path / "model.xmlbif")
+    explorer = bh.Explorer(imported)
+    assert explorer._answer["support"] is None
+    assert explorer._answer["rows"].startswith("unknown")
+    assert explorer._scene["counted"] is False
+    assert {cell[2] for cell in explorer._scene["cells"]} == {None}
+    for gait, path in zip(imported.gaits.names, explorer._scene["paths"], strict=True):
+        end = imported.predict(gait)
+        np.testing.assert_allclose(path, [[0, 0], [end.forward, end.right]], atol=5.1e-5)
