@@ -124,8 +124,29 @@ def test_traction_is_the_same_in_every_direction(theta):
     slippery = robot.model_copy(update={"body": robot.body.model_copy(update={"max_traction": 0.5})})
     arena = arena_for(slippery, hunter_pose=Pose(0.0, 0.0, theta))
     arena.run((0.0576, 0.0576), 3 * 0.032)
-    gone = math.hypot(*arena.hunter.pose[:2])
-    assert gone == pytest.approx(0.5 * 0.032 * 0.032 * (1 + 2 + 3), rel=1e-5)
+    gone = 0.5 * 0.032 * 0.032 * (1 + 2 + 3)
+    assert arena.hunter.pose[:2] == pytest.approx((gone * math.cos(theta), gone * math.sin(theta)), abs=1e-8)
+
+
+def test_each_wheel_speeds_up_and_slows_down_by_at_most_its_limit():
+    arena = arena_for(quiet("khepera"))
+    change = 0.6 * 0.032
+    for left, right in ((0.05, -0.05), (-0.05, 0.05)):
+        before = arena.hunter.state_a, arena.hunter.state_b
+        arena.run((left, right), 0.032)
+        assert (arena.hunter.state_a, arena.hunter.state_b) == pytest.approx(
+            (before[0] + math.copysign(change, left), before[1] + math.copysign(change, right))
+        )
+    arena.run((0.05, 0.05), 1.0)
+    assert (arena.hunter.state_a, arena.hunter.state_b) == (0.05, 0.05)
+
+
+def test_a_pose_has_an_angle_of_the_half_open_turn():
+    arena, moments = arena_for(quiet("khepera")), []
+    arena.run((0.0576, -0.0576), 10.0, moments)  # more than three times round
+    angles = np.array([moment.hunter.theta for moment in moments])
+    assert ((angles > -math.pi) & (angles <= math.pi)).all()
+    assert np.ptp(np.unwrap(angles)) > 6 * math.pi
 
 
 def test_noise_has_the_stated_spread():
