@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from bayeshunt.models.structures import Structure
     from bayeshunt.models.turns import TurnModel
     from bayeshunt.planners.base import Plan, Situation
+    from bayeshunt.planners.catalogue import describe_planner
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.settings import load_experiment, load_robot
     from bayeshunt.views.explorer import Explorer
@@ -99,6 +100,7 @@ _HOMES = {
     "Structure": ("bayeshunt.models.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.prey", "PreyModel"),
     **{name: ("bayeshunt.planners.base", name) for name in ("Plan", "Situation")},
+    "describe_planner": ("bayeshunt.planners.catalogue", "describe_planner"),
     **{name: ("bayeshunt.planners.registry", name) for name in ("make_planner", "planner_names", "register_planner")},
     **{name: ("bayeshunt.settings", name) for name in ("load_experiment", "load_robot")},
     "babble": ("bayeshunt.world.babbling", "babble"),

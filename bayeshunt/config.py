@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from bayeshunt import displays
 from bayeshunt.errors import ConfigError
 from bayeshunt.gaits import Gait, GaitRepertoire
 
@@ -62,7 +63,17 @@ class GaitSettings(Settings):
 _COMMAND_KEYS = {"differential": ("left", "right"), "car": ("speed", "steering")}
 
 
-class RobotSettings(Settings):
+class ShownSettings(Settings):
+    """Settings that show themselves: as text, and in a notebook."""
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+
+class RobotSettings(ShownSettings):
     """A robot: a body, its noise and its gaits."""
 
     name: str = Field(min_length=1, description="name shown in tables")
@@ -88,6 +99,9 @@ class RobotSettings(Settings):
             if names.count(name) > 1:
                 raise ValueError(f"gait name {name!r} stands twice; names must be unique")
         return self
+
+    def __repr__(self) -> str:
+        return f"<RobotSettings {self.name!r}: {self.body.drive} drive, {len(self.gait)} gaits>"
 
     @property
     def top_speed(self) -> float:
@@ -176,7 +190,7 @@ class ModelSettings(Settings):
     babbling_steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = Field(2000, description="gaits babbled")
 
 
-class ExperimentSettings(Settings):
+class ExperimentSettings(ShownSettings):
     """Everything one evaluation needs."""
 
     name: str = Field(min_length=1, description="name shown in tables")
@@ -202,6 +216,10 @@ class ExperimentSettings(Settings):
         if not self.arenas:
             raise ValueError("arenas: at least one arena is needed")
         return self
+
+    def __repr__(self) -> str:
+        hunts = f"{len(self.protocol.thetas)} bearings x {self.protocol.runs} runs"
+        return f"<ExperimentSettings {self.name!r}: {', '.join(self.planners)} in {', '.join(self.arenas)}, {hunts}>"
 
     def check_arena(self, name: str) -> None:
         """Raise ConfigError unless there is an arena ``name`` in which the prey does not start in a wall."""

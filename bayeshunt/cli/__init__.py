@@ -15,6 +15,7 @@ from bayeshunt.cli import report  # noqa: F401  isort: skip
 from bayeshunt.cli import figures  # noqa: F401  isort: skip
 from bayeshunt.cli import sweeps  # noqa: F401  isort: skip
 from bayeshunt.cli import prepared  # noqa: F401  isort: skip
+from bayeshunt.cli import catalogue  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.cli.stopping import StoppedError

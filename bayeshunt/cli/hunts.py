@@ -18,6 +18,7 @@ from bayeshunt.cli.options import (
     Seed,
     check_names,
     check_parent,
+    complete_planner,
     load_or_learn,
     read_experiment,
 )
@@ -25,7 +26,9 @@ from bayeshunt.cli.options import (
 
 @app.command(short_help="Run one hunt and show every decision.")
 def hunt(
-    planner: Annotated[str, typer.Option(help="Planner, e.g. reactive, prediction, planning.")] = "planning",
+    planner: Annotated[
+        str, typer.Option(help="Planner; bayeshunt planners lists them.", autocompletion=complete_planner)
+    ] = "planning",
     arena: Annotated[str, typer.Option(help="Arena of the settings, e.g. walled, open.")] = "open",
     theta: Annotated[float, typer.Option(help="First bearing of the prey [rad, clockwise].")] = 1.0,
     seed: Seed = 0,

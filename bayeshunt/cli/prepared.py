@@ -19,6 +19,7 @@ from bayeshunt.cli.options import (
     Seed,
     check_names,
     check_parent,
+    complete_planner,
     read_experiment,
     tell,
 )
@@ -65,7 +66,9 @@ def remember(
     config: Config = None,
     overrides: Overrides = None,
     arena: Arenas = None,
-    planner: Annotated[str, typer.Option(help="Who hunts while the prey is watched.")] = "reactive",
+    planner: Annotated[
+        str, typer.Option(help="Who hunts while the prey is watched.", autocompletion=complete_planner)
+    ] = "reactive",
     runs: Annotated[int, typer.Option(help="Training hunts per bearing and arena.")] = 30,
     seed: Seed = 0,
     as_json: Json = False,

@@ -21,6 +21,7 @@ from bayeshunt.cli.options import (
     Runs,
     Seed,
     check_names,
+    complete_planner,
     count_hunts,
     read_experiment,
     toml_value,
@@ -101,7 +102,8 @@ def tradeoff(
     config: Config = None,
     overrides: Overrides = None,
     planner: Annotated[
-        list[str] | None, typer.Option(help="Planner to show beside; may be given several times.")
+        list[str] | None,
+        typer.Option(help="Planner to show beside; may be given several times.", autocompletion=complete_planner),
     ] = None,
     arena: Annotated[str, typer.Option(help="Arena of the settings.")] = "open",
     runs: Runs = None,

@@ -160,6 +160,28 @@ class Planner(Protocol):
         """Decide; ``rng`` is the only source of chance."""
 
 
+class Shown:
+    """A planner that shows itself: in one line, as text, and in a notebook."""
+
+    name: str
+
+    def chosen(self) -> dict[str, Any]:
+        """Return the settings that were chosen, by name: plain values only."""
+        settings = getattr(self, "settings", None)
+        values = vars(self) if settings is None else vars(settings)
+        return {k: v for k, v in values.items() if isinstance(v, (bool, int, float, str)) and not k.startswith("_")}
+
+    def __repr__(self) -> str:
+        settings = ", ".join(f"{key} {value}" for key, value in self.chosen().items())
+        return f"<planner {self.name}: {settings}>" if settings else f"<planner {self.name}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+
 def check_request(situation: Situation, rng: np.random.Generator) -> None:
     """Raise InputError unless a planner was given a situation and a generator."""
     if not isinstance(situation, Situation):

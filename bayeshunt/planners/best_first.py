@@ -15,7 +15,7 @@ import pandas as pd
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Plan, Situation, check_request, predict_prey
+from bayeshunt.planners.base import Plan, Shown, Situation, check_request, predict_prey
 from bayeshunt.planners.rollouts import (
     CompiledRollouts,
     GaitTree,
@@ -79,7 +79,7 @@ class PlanningSettings:
             raise InputError(f"planning: objective must be a function, got {self.objective!r}")
 
 
-class PlanningPlanner:
+class PlanningPlanner(Shown):
     """The gait sequence that ends nearest the predicted prey (paper, planning; best-first search).
 
     A node is a sequence of T gaits with at most ``max_transitions`` changes. Its value is the mean

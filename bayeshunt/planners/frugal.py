@@ -115,6 +115,10 @@ class Frugal(SequenceHunter):
             paths, self.gaits, values, prey, situation, "cost of the hunt, as weighed", prey_known=known
         )
 
+    def chosen(self) -> dict[str, Any]:
+        """Return the weights and the other settings."""
+        return {**vars(self.weights), **super().chosen()}
+
     def _enough(self, depth: int, gained: float) -> bool:
         """Return whether one step further costs more planning than the last step further has gained."""
         if depth == self.paths.depth:

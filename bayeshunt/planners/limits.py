@@ -8,10 +8,10 @@ import numpy as np
 
 from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Future, Plan, Situation
+from bayeshunt.planners.base import Future, Plan, Shown, Situation
 
 
-class KinematicLimit:
+class KinematicLimit(Shown):
     """A bound, not a hunter: the earliest time at which a point of the robot's top speed reaches the prey.
 
     It turns instantly, is at full speed at once, meets no walls, feels no noise and knows the prey's

@@ -109,6 +109,10 @@ class Memory(SequenceHunter):
         plan = capture_plan(paths, self.gaits, values, prey, situation, "expected time of capture [s]", prey_known=True)
         return dataclasses.replace(plan, make_trace=partial(_with_weights, plan.make_trace, labels, weights))
 
+    def chosen(self) -> dict[str, Any]:
+        """Return the settings; ``paths`` is how many prey paths are sampled."""
+        return {"paths" if key == "samples" else key: value for key, value in super().chosen().items()}
+
     def _weigh(self, situation: Situation, own: TransitionTables) -> np.ndarray:
         """Return the weights of this run and of every memory [1 + E]; ``own`` counts this run on the way."""
         prior = np.array([1.0 - self.believe, *[self.believe / len(self.experts)] * len(self.experts)])

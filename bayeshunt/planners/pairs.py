@@ -9,13 +9,13 @@ import pandas as pd
 
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Plan, Situation
+from bayeshunt.planners.base import Plan, Shown, Situation
 from bayeshunt.planners.futures import Futures
 from bayeshunt.planners.homing import Homing
 from bayeshunt.planners.lookahead import PairPaths, decide, look_ahead
 
 
-class PairPlanner:
+class PairPlanner(Shown):
     """Chooses the pair of gaits of the earliest expected capture; ties go to the first in table order.
 
     homing: the estimate beyond both steps. spread: metres, see :func:`look_ahead`.

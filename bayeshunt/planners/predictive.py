@@ -9,7 +9,7 @@ import numpy as np
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
-from bayeshunt.planners.base import Plan, Situation, check_request, predict_prey
+from bayeshunt.planners.base import Plan, Shown, Situation, check_request, predict_prey
 from bayeshunt.planners.reactive import aim
 
 # A distance of 5 bodies may arrive as 4.999999999999999; it must not change the rounding.
@@ -24,7 +24,7 @@ def steps_ahead(distance: float, body_length: float) -> int:
     return math.floor(distance / (2.0 * body_length) + 0.5 + _ROUNDING_SLACK)
 
 
-class PredictionPlanner:
+class PredictionPlanner(Shown):
     """argmax of P(Gait | Distance, Angle) at the prey predicted T steps ahead (paper, prey prediction).
 
     While the prey model is empty it aims at the prey's present position, and the plan says so:

@@ -12,11 +12,11 @@ import numpy as np
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar, wrap
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Plan, Situation, check_request
+from bayeshunt.planners.base import Plan, Shown, Situation, check_request
 from bayeshunt.planners.steering import Steering, intercept_time, prey_track
 
 
-class PurePursuit:
+class PurePursuit(Shown):
     """Drive at where the prey is now: the gait whose mean end is nearest to it.
 
     ``rng`` is not used.
@@ -33,7 +33,7 @@ class PurePursuit:
         return self.steering.towards(float(situation.prey.forward), float(situation.prey.right))
 
 
-class ProportionalNavigation:
+class ProportionalNavigation(Shown):
     """Turn in proportion to the turning of the line of sight, so that the bearing stays constant.
 
     ``turn = N lambda' D``: navigation constant N, line-of-sight rate lambda' [rad/s], time-step D, where
@@ -41,6 +41,8 @@ class ProportionalNavigation:
     top speed. The gait whose mean turn is nearest is executed, a slow one only if there is no fast one.
     The law assumes a prey ahead that comes closer: while it is more than a right angle off, or before
     its velocity has been seen, the hunter pursues it instead.
+
+    navigation_constant: N, > 0.
     Reference: P. Zarchan, Tactical and Strategic Missile Guidance, chapter 2. ``rng`` is not used.
     """
 
@@ -51,7 +53,7 @@ class ProportionalNavigation:
             raise InputError(
                 f"proportional_navigation: navigation_constant must be a number > 0, got {navigation_constant!r}"
             )
-        self.constant = float(navigation_constant)
+        self.navigation_constant = float(navigation_constant)
         self.steering = Steering(model)
         self._fast = _fast_gaits(self.steering)
 
@@ -66,7 +68,7 @@ class ProportionalNavigation:
         v_ahead = float(track.forward[-1] - track.forward[-2]) / situation.time_step - steering.top_speed
         v_right = float(track.right[-1] - track.right[-2]) / situation.time_step
         rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
-        turn = self.constant * rate * situation.time_step
+        turn = self.navigation_constant * rate * situation.time_step
         turn = max(-math.pi, min(math.pi, turn))
         miss = np.abs(np.asarray(wrap(steering.heading - turn)))
         miss = np.where(self._fast, miss, miss + math.pi)
@@ -80,15 +82,17 @@ def _fast_gaits(steering: Steering) -> np.ndarray:
     return np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
 
 
-class ConstantVelocity:
+class ConstantVelocity(Shown):
     """Meet a prey that keeps its velocity: interception at the velocity that a Kalman filter estimates.
 
-    State (position, velocity) in the plane, position observed once per time-step, white acceleration
-    noise of density ``acceleration`` [m/s2] and position noise ``position`` [m]; pykalman filters the
+    State (position, velocity) in the plane, position observed once per time-step; pykalman filters the
     whole track at every decision, as a planner keeps no state. The hunter aims at the point where a
     straight drive at top speed meets the prey, at the earliest the end of the step. Before
     anything is seen the prey's velocity has mean 0 and standard deviation the hunter's own top speed.
-    ``rng`` is not used.
+
+    acceleration: standard deviation of the prey's white acceleration [m/s2], > 0.
+    position: standard deviation of an observed position [m], > 0.
+    Reference: R. E. Kalman, A new approach to linear filtering and prediction problems, 1960. ``rng`` is not used.
     """
 
     name = "constant_velocity"

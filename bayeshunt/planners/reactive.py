@@ -11,10 +11,10 @@ import pandas as pd
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
-from bayeshunt.planners.base import Plan, Situation, check_request
+from bayeshunt.planners.base import Plan, Shown, Situation, check_request
 
 
-class ReactivePlanner:
+class ReactivePlanner(Shown):
     """argmax of P(Gait | Distance, Angle) at the prey's present position (paper, reactive model).
 
     In a model of structure "previous_gait", given the gait just executed as well. A tie goes to the

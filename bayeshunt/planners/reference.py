@@ -17,7 +17,7 @@ from bayeshunt.errors import InputError, ModelFileError
 from bayeshunt.files import check_source, replace_atomically
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Plan, Situation, check_request
+from bayeshunt.planners.base import Plan, Shown, Situation, check_request
 from bayeshunt.planners.relative import Chase, Grid, expected_times
 
 FORMAT = 1
@@ -83,7 +83,7 @@ class ReferenceTable:
         return cls(arrays["values"], grid, chase, tuple(head["gaits"]), head["facts"])
 
 
-class Reference:
+class Reference(Shown):
     """A yardstick: the gait of least expected time to capture, were the prey to go straight on.
 
     table: a :class:`ReferenceTable` or the path of one (``bayeshunt reference --out FILE``). It is

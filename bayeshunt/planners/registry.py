@@ -79,13 +79,24 @@ def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
 
     Raises InputError for an unknown name or an unknown or wrong setting.
     """
+    factory, accepted = find_planner(name)
+    for setting in settings if accepted is not None else ():
+        if setting not in accepted:  # type: ignore[operator]
+            raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, accepted)}")
+    return factory(model, **settings)
+
+
+def find_planner(name: str) -> tuple[Factory, tuple[str, ...] | None]:
+    """Return the factory of a registered planner and the names of its settings (None: it checks its own).
+
+    Raises InputError for an unknown name.
+    """
     entry = _REGISTRY.get(name) if isinstance(name, str) else None
     if entry is None:
-        raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}")
-    for setting in settings if entry.settings is not None else ():
-        if setting not in entry.settings:  # type: ignore[operator]
-            raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, entry.settings)}")
-    return entry.factory(model, **settings)
+        near = difflib.get_close_matches(str(name), planner_names(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"expected one of {', '.join(planner_names())}"
+        raise InputError(f"unknown planner {name!r}: {hint}")
+    return entry.factory, entry.settings
 
 
 def _parameters(factory: Factory) -> tuple[str, ...] | None:
@@ -122,6 +133,11 @@ register_planner("intercept_room", intercept_room, settings=[f.name for f in dat
 register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
 register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])
 _SHIPPED = frozenset(_REGISTRY)
+
+
+def is_shipped(name: str) -> bool:
+    """Return whether a planner comes with the package."""
+    return name in _SHIPPED
 
 
 def registered_planners() -> dict[str, tuple[Factory, tuple[str, ...] | None]]:

@@ -13,11 +13,11 @@ import pandas as pd
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Plan, Situation
+from bayeshunt.planners.base import Plan, Shown, Situation
 from bayeshunt.planners.capture import CapturePaths, PreyPaths
 
 
-class SequenceHunter:
+class SequenceHunter(Shown):
     """A hunter that follows every short gait sequence along its mean path and asks when it captures.
 
     depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
@@ -33,6 +33,7 @@ class SequenceHunter:
         check_search(self.name, depth, max_transitions, margin, catch_distance)
         self.gaits = tuple(model.gaits.names)
         self.paths = CapturePaths(model, depth, max_transitions)
+        self.depth, self.max_transitions = int(depth), int(max_transitions)
         self.margin, self.catch_distance = float(margin), float(catch_distance)
         self.leaves = np.arange(self.paths.layers[-2], self.paths.layers[-1])  # the sequences of full depth
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import singledispatch
 from typing import Any
 
@@ -13,7 +14,15 @@ from bayeshunt.models.posterior import Posterior
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.planners.base import Plan
-from bayeshunt.views import assess, assess_html, display_models, display_plans, display_tables, display_text
+from bayeshunt.views import (
+    assess,
+    assess_html,
+    display_models,
+    display_plans,
+    display_settings,
+    display_tables,
+    display_text,
+)
 
 
 @singledispatch
@@ -22,27 +31,27 @@ def to_html(thing: Any) -> str:
     raise TypeError(f"nothing here draws a {type(thing).__name__}")
 
 
-to_html.register(ForwardModel, display_models.forward_model)
-to_html.register(InverseModel, display_models.inverse_model)
-to_html.register(Posterior, display_models.posterior)
-to_html.register(ProbabilityTable, display_tables.probability_table)
-to_html.register(PreyModel, display_tables.prey_model)
-to_html.register(Plan, display_plans.plan)
-to_html.register(Episode, display_plans.episode)
-to_html.register(Assessment, assess_html.assessment)
-
-
 @singledispatch
 def to_text(thing: Any) -> str:
     """Return ``thing`` as plain text of several lines, at most 100 columns where names allow it."""
     raise TypeError(f"nothing here prints a {type(thing).__name__}")
 
 
-to_text.register(ForwardModel, display_text.forward_model)
-to_text.register(InverseModel, display_text.inverse_model)
-to_text.register(Posterior, display_text.posterior)
-to_text.register(ProbabilityTable, display_text.probability_table)
-to_text.register(PreyModel, display_text.prey_model)
-to_text.register(Plan, display_text.plan)
-to_text.register(Episode, display_text.episode)
-to_text.register(Assessment, assess.assessment_text)
+#: Class, its HTML, its text.
+_DRAWN: tuple[tuple[type, Callable[..., str], Callable[..., str]], ...] = (
+    (ForwardModel, display_models.forward_model, display_text.forward_model),
+    (InverseModel, display_models.inverse_model, display_text.inverse_model),
+    (Posterior, display_models.posterior, display_text.posterior),
+    (ProbabilityTable, display_tables.probability_table, display_text.probability_table),
+    (PreyModel, display_tables.prey_model, display_text.prey_model),
+    (Plan, display_plans.plan, display_text.plan),
+    (Episode, display_plans.episode, display_text.episode),
+    (Assessment, assess_html.assessment, assess.assessment_text),
+    *(
+        (kind, lambda thing, draw=draw: draw(thing).html(), lambda thing, draw=draw: draw(thing).text())
+        for kind, draw in display_settings.SHEETS.items()
+    ),
+)
+for _kind, _html, _text in _DRAWN:
+    to_html.register(_kind, _html)
+    to_text.register(_kind, _text)

@@ -170,6 +170,11 @@ def registered_prey() -> dict[str, Callable[[Context], Prey]]:
     return {name: behaviour for name, behaviour in _BEHAVIOURS.items() if name not in _SHIPPED}
 
 
+def behaviours() -> dict[str, Callable[[Context], Prey]]:
+    """Return every behaviour by name: those that ship, then those registered."""
+    return dict(_BEHAVIOURS)
+
+
 def prey_names() -> list[str]:
     """Return the names of all behaviours."""
     return sorted(_BEHAVIOURS)

@@ -1,0 +1,125 @@
+"""planners, robots, prey, presets: what there is to choose from."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Json, complete_planner, complete_robot
+from bayeshunt.errors import InputError
+
+Toml = Annotated[bool, typer.Option("--toml", help="Print its settings file, to start your own from.")]
+
+
+@app.command(short_help="List the planners, or show one and its settings.")
+def planners(
+    name: Annotated[
+        str | None, typer.Argument(help="Planner to show.", show_default=False, autocompletion=complete_planner)
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List the planners: what each does, whether it is ab initio, what it needs; or show one and its settings.
+
+    Example:  bayeshunt planners intercept;
+    bayeshunt evaluate --planner intercept --set planner.intercept.hazard=0.2
+    """
+    from bayeshunt.planners.catalogue import describe_planner
+    from bayeshunt.planners.registry import planner_names
+    from bayeshunt.views import catalogue
+
+    found = [describe_planner(known) for known in ([name] if name is not None else planner_names())]
+    if as_json:
+        facts = [{**f._asdict(), "settings": [s._asdict() for s in f.settings]} for f in found]
+        typer.echo(json.dumps(facts if name is None else facts[0]))
+    elif name is None:
+        catalogue.planners_table(found)
+    else:
+        catalogue.planner_page(found[0])
+
+
+@app.command(short_help="List the robots that ship, or show one.")
+def robots(
+    name: Annotated[
+        str | None,
+        typer.Argument(help="Robot preset or TOML file to show.", show_default=False, autocompletion=complete_robot),
+    ] = None,
+    as_toml: Toml = False,
+    as_json: Json = False,
+) -> None:
+    """List the robots that ship, or show one: its body, its noise and its gaits.
+
+    Example:  bayeshunt robots khepera --toml > mine.toml; bayeshunt babble --robot ./mine.toml --out b.parquet
+    """
+    from bayeshunt.settings import load_robot, preset_names
+    from bayeshunt.views import catalogue
+
+    if name is not None:
+        _show(load_robot(name), as_toml, as_json)
+        return
+    found = {known: load_robot(known) for known in preset_names("robots")}
+    rows = [(n, r.body.drive, str(len(r.gait)), r.description or r.name) for n, r in found.items()]
+    if as_json:
+        keys = ("robot", "drive", "gaits", "description")
+        typer.echo(json.dumps([{**dict(zip(keys, row, strict=True)), "gaits": int(row[2])} for row in rows]))
+        return
+    note = "Show one, or start your own from it: bayeshunt robots NAME [--toml]. Every key: bayeshunt settings robot"
+    catalogue.names_table(("robot", "drive", "gaits", "what it is"), rows, [note])
+
+
+@app.command(short_help="List the behaviours a prey may have.")
+def prey(as_json: Json = False) -> None:
+    """List the behaviours a prey may have; --plugin adds your own.
+
+    Example:  bayeshunt evaluate --set prey.behaviour=evader
+    """
+    from bayeshunt.views import catalogue
+    from bayeshunt.world.prey import behaviours
+
+    said = {name: (inspect.getdoc(made) or "").split("\n\n")[0] for name, made in behaviours().items()}
+    rows = [(name, text.replace("\n", " ")) for name, text in said.items()]
+    if as_json:
+        typer.echo(json.dumps([{"behaviour": name, "description": text} for name, text in rows]))
+        return
+    notes = ["Choose one: --set prey.behaviour=NAME, or behaviour = \"NAME\" under [prey] in a settings file.",
+             "What else a prey can be set to: the keys prey.* of bayeshunt settings"]  # fmt: skip
+    catalogue.names_table(("behaviour", "what it does"), rows, notes)
+
+
+@app.command(short_help="List the experiments that ship, or show one.")
+def presets(
+    name: Annotated[str | None, typer.Argument(help="Experiment to show.", show_default=False)] = None,
+    as_toml: Toml = False,
+    as_json: Json = False,
+) -> None:
+    """List the experiments that ship, or show one: robot, prey, arenas, protocol and planners.
+
+    Example:  bayeshunt presets paper --toml > mine.toml; bayeshunt evaluate --config mine.toml
+    """
+    from bayeshunt.settings import load_experiment, preset_names
+    from bayeshunt.views import catalogue
+
+    if name is not None:
+        _show(load_experiment(name), as_toml, as_json)
+        return
+    found = {known: load_experiment(known) for known in preset_names()}
+    if as_json:
+        typer.echo(json.dumps([{"preset": known, "note": s.note} for known, s in found.items()]))
+        return
+    note = "Show one, or start your own from it: bayeshunt presets NAME [--toml]. Every key: bayeshunt settings"
+    catalogue.names_table(("preset", "what it is"), [(known, s.note) for known, s in found.items()], [note])
+
+
+def _show(settings: Any, as_toml: bool, as_json: bool) -> None:
+    """Print settings as text, as TOML or as JSON."""
+    from bayeshunt.views.commands import to_toml
+
+    if as_toml and as_json:
+        raise InputError("--toml and --json: choose one")
+    if as_json:
+        typer.echo(settings.model_dump_json())
+    else:
+        typer.echo(to_toml(settings).rstrip() if as_toml else str(settings))
