@@ -43,6 +43,8 @@ def validate(
     source: what the message calls the table, usually its file name.
     first_row: what it calls the first row, for a part of a larger table.
     """
+    if not isinstance(frame, pd.DataFrame):
+        raise DataError(f"{source}: expected a pandas DataFrame, got {type(frame).__name__}")
     missing = [c for c in COLUMNS if c not in frame.columns]
     if missing:
         raise DataError(f"{source}: column {missing[0]!r} is missing; a babbling table needs {', '.join(COLUMNS)}")
@@ -140,8 +142,8 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
 
     Raises DataError if the file is missing, is not Parquet, is damaged or is not a babbling table.
     """
-    name = os.fspath(path)
     check_source(path, _MAKER, DataError)
+    name = os.fspath(path)
     table, record = sealed.read(path, what=_WHAT, mend=_MEND)
     frame = table.to_pandas()
     validate(frame, source=name)
@@ -157,8 +159,8 @@ class Batches:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open the file; raises DataError if it is missing, is not Parquet or is damaged."""
-        self.name = os.fspath(path)
         check_source(path, _MAKER, DataError)
+        self.name = os.fspath(path)
         self._reader = sealed.Reader(path, what=_WHAT, mend=_MEND)
         self.rows: int = self._reader.rows
         self.provenance: dict[str, Any] = self._reader.record or {}

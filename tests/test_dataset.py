@@ -57,6 +57,18 @@ def test_a_lost_part_of_a_pose_does_not_shift_the_others(lost, message):
         dataset.validate(with_paths(3).drop(columns=lost))
 
 
+@pytest.mark.parametrize("wrong", [None, [1, 2], {"gait": ["a"]}])
+def test_what_is_no_table_is_refused(wrong):
+    with pytest.raises(DataError, match=f"table: expected a pandas DataFrame, got {type(wrong).__name__}"):
+        dataset.validate(wrong)
+
+
+@pytest.mark.parametrize("read", [dataset.load, dataset.Batches])
+def test_what_is_no_name_is_refused(read):
+    with pytest.raises(DataError, match="expected the name of a file made by: bayeshunt babble; got 3"):
+        read(3)
+
+
 def test_a_column_that_stands_twice_is_refused():
     for name in ("gait", "distance"):
         with pytest.raises(DataError, match=f"column '{name}' stands twice"):
