@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
-from bayeshunt import displays
 from bayeshunt.errors import InputError
 
 
@@ -23,7 +24,7 @@ class Gait:
     command: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class GaitRepertoire(Sequence[Gait]):
     """The gaits of one robot, in the order of every table's columns.
 
@@ -44,15 +45,21 @@ class GaitRepertoire(Sequence[Gait]):
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise InputError(f"gait names must be unique, repeated: {', '.join(repeated)}")
-        if not self.body_length > 0 or not self.duration > 0:
-            raise InputError("a gait repertoire needs body_length > 0 and duration > 0")
+        for name in ("body_length", "duration"):
+            value = getattr(self, name)
+            if not isinstance(value, Real) or not 0 < float(value) < math.inf:
+                raise InputError(f"a gait repertoire needs {name} > 0, got {value!r}")
         object.__setattr__(self, "_positions", {name: i for i, name in enumerate(names)})
 
     @classmethod
     def of(cls, gaits: Any, **settings: float) -> GaitRepertoire:
-        """Return ``gaits`` itself if it is a repertoire, else one made of Gait objects or names."""
+        """Return ``gaits`` itself if it is a repertoire, a robot's repertoire, or one made of Gait objects or names."""
         if isinstance(gaits, cls):
             return gaits
+        if isinstance(getattr(gaits, "gaits", None), cls):  # the settings of a robot
+            return gaits.gaits
+        if isinstance(gaits, str) or not isinstance(gaits, Iterable):
+            raise InputError(f"gaits: expected a robot's gaits, or a list of names, got {gaits!r}")
         return cls(tuple(g if isinstance(g, Gait) else Gait(str(g)) for g in gaits), **settings)
 
     @property
@@ -71,18 +78,12 @@ class GaitRepertoire(Sequence[Gait]):
         except (KeyError, TypeError):
             raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
 
-    def __repr__(self) -> str:
-        body = f"body {1000 * self.body_length:g} mm"
-        return f"<GaitRepertoire: {len(self)} gaits, {body}, each held {self.duration:g} s>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
-
     def __getitem__(self, key: Any) -> Any:
         return self.gaits[self.index(key)] if isinstance(key, str) else self.gaits[key]
+
+    def __contains__(self, gait: object) -> bool:
+        """Return whether there is such a gait, given by name or as a Gait."""
+        return gait in self.gaits if isinstance(gait, Gait) else gait in self.names
 
     def __len__(self) -> int:
         return len(self.gaits)
