@@ -100,7 +100,9 @@ def export(
         Path, typer.Argument(help="Model file made by bayeshunt fit, or a network (.xmlbif, .bif).", show_default=False)
     ],
     out: Annotated[Path, typer.Option(help="Folder for the CSV files.")],
-    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
+    xmlbif: Annotated[
+        Path | None, typer.Option(help="Also export the network as XMLBIF, its labels beside it.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Write every table of a model as CSV: probability, count and 95 % interval of each cell.
@@ -110,6 +112,7 @@ def export(
     from bayeshunt.cli.options import check_parent
     from bayeshunt.experiments.store import check_output_folder
     from bayeshunt.models.interchange import open_model
+    from bayeshunt.models.xmlbif import labels_path
 
     if xmlbif is not None:
         check_parent(xmlbif, made=out)
@@ -118,7 +121,7 @@ def export(
     lines = [_listed(out, names)]
     if xmlbif is not None:
         forward.to_xmlbif(xmlbif)
-        lines.append(str(xmlbif))
+        lines.append(f"{xmlbif}; what its states are: {labels_path(xmlbif)}")
     facts = {"out": str(out), "files": names, "xmlbif": None if xmlbif is None else str(xmlbif)}
     tell(facts, as_json, "\n".join(lines))
 

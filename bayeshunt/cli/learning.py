@@ -63,7 +63,7 @@ def fit(
     ],
     out: Annotated[Path, typer.Option(help="Model file (JSON) to write.")],
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
-    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF.")] = None,
+    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF, with its labels.")] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     structure: Annotated[
         str,

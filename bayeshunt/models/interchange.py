@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 #: Endings of the files that :func:`read_network` reads.
 KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
-#: The mend where a file's states are no bins.
-_BINS = "name them in a label map beside it (NETWORK.labels.json, as exports have it), or give axes= in Python"
 #: Columns of a file may miss 1 by this much, since programs round what they write; they are rescaled.
 _ROUNDING = 1e-3
 
@@ -173,9 +171,14 @@ def _axes(labels: dict[str, list[str]], name: str) -> EffectAxes:
         if set(axis.labels) != set(labels[axis.name]):
             raise InputError(
                 f"{name}: the states of {axis.name} ({labels[axis.name][0]!r}, ...) are not bin labels such as "
-                f"{axis.labels[0]!r}; {_BINS}"
+                f"{axis.labels[0]!r}; {_mend(name)}"
             )
     return axes
+
+
+def _mend(name: str) -> str:
+    """What to do where the states of a file are no bins."""
+    return f"name them in a label map, {xmlbif.labels_path(name)}, or give axes= in Python"
 
 
 def _width(labels: list[str], name: str) -> float:
@@ -185,7 +188,7 @@ def _width(labels: list[str], name: str) -> float:
         return round(reach / len(labels), 9) / 1000  # labels are in millimetres, rounded
     except (IndexError, ValueError):
         raise InputError(
-            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; {_BINS}"
+            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; {_mend(name)}"
         ) from None
 
 
