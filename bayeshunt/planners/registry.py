@@ -94,8 +94,8 @@ def find_planner(name: str) -> tuple[Factory, tuple[str, ...] | None]:
     entry = _REGISTRY.get(name) if isinstance(name, str) else None
     if entry is None:
         near = difflib.get_close_matches(str(name), planner_names(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"expected one of {', '.join(planner_names())}"
-        raise InputError(f"unknown planner {name!r}: {hint}")
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}{hint}")
     return entry.factory, entry.settings
 
 
