@@ -126,7 +126,8 @@ class PreviousGaitModel(ForwardModel):
     def _models_after(self) -> tuple[AfterModel, ...]:
         """The model after each gait, in table order."""
         made = zip(self.by_previous.after, self.gaits.names, strict=True)
-        return tuple(AfterModel(joint, self.prior, whole=self, previous_gait=name) for joint, name in made)
+        settings = (self.prior, self.gait_prior, self.provenance)
+        return tuple(AfterModel(joint, *settings, whole=self, previous_gait=name) for joint, name in made)
 
     @cached_property
     def _previous(self) -> np.ndarray:

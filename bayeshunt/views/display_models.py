@@ -9,6 +9,7 @@ from bayeshunt.errors import ZeroCountError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.models.posterior import Posterior
+from bayeshunt.models.structures import depends_on_previous
 from bayeshunt.views import grounds, svg_map, svg_network
 from bayeshunt.views.display_html import Html, card, facts, fold, join, number, row, table, tag
 from bayeshunt.views.display_tables import folded_tables
@@ -22,7 +23,7 @@ _EXPLAINED = (
 
 def forward_model(model: ForwardModel) -> Html:
     """Return the network with its marginals, and every table."""
-    title = f"Forward model: {model.structure.describe()}"
+    title = f"Forward model: {grounds.description(model)}"
     pairs = [("gaits", len(model.gaits)), ("bins", ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes))]
     if model.has_counts:
         pairs[1:1] = [("babbling rows", model.joint.total or "none counted here")]
@@ -38,7 +39,8 @@ def forward_model(model: ForwardModel) -> Html:
         tables = folded_tables([model.table(variable) for variable in (*EFFECTS, "Gait")])
     except ZeroCountError as error:
         return card(title, _origin(model), facts(pairs), tag("div", f"Nothing to show yet: {error}."))
-    return card(title, _origin(model), facts(pairs), drawn, tables)
+    note = tag("div", grounds.SUMMED_OVER, class_="bh-note") if depends_on_previous(model.structure) else None
+    return card(title, _origin(model), facts(pairs), drawn, note, tables)
 
 
 def _origin(model: ForwardModel) -> str:
@@ -57,7 +59,8 @@ def inverse_model(inverse: InverseModel) -> Html:
     places = f"{len(inverse.table())} {grounds.coordinates(inverse.model)}"
     subtitle = f"{places}; colour: the most probable gait there"
     drawn = tag("div", svg_map.inverse_map(inverse), svg_map.gait_key(names), class_="bh-two")
-    return card("Inverse model: P(Gait | Distance, Angle)", subtitle, drawn)
+    given = "".join(f", {variable} = {state}" for variable, state in inverse.model.known.items())
+    return card(f"Inverse model: P(Gait | Distance, Angle{given})", subtitle, drawn)
 
 
 def posterior(answer: Posterior) -> Html:

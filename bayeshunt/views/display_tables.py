@@ -65,7 +65,8 @@ def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
 
 def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float) -> Html:
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
-    column = f" | {place[1]}" if shown.variable != "Gait" else ""
+    known = "".join(f", {variable} = {state}" for variable, state in shown.known.items())
+    column = f" | {place[1]}{known}" if shown.variable != "Gait" else ""
     hint = f"P({given}{column}) = {p:.4f}"
     content = [tag("span", probability(p), class_="bh-p")]
     if behind:

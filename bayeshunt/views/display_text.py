@@ -15,10 +15,12 @@ from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.inverse import InverseModel
 from bayeshunt.models.posterior import Posterior
 from bayeshunt.models.prey import PreyModel
+from bayeshunt.models.structures import depends_on_previous
 from bayeshunt.models.table import ProbabilityTable
 from bayeshunt.planners.base import Plan
 from bayeshunt.views import grounds
 from bayeshunt.views.display_plans import value_column
+from bayeshunt.views.units import degrees, objective
 
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _BAR = 24  # characters of a full bar
@@ -28,7 +30,9 @@ _MOST_NAME = 24
 
 def forward_model(model: ForwardModel) -> str:
     """Return a row per gait: rows, mean outcome, and its three columns as sparklines."""
-    head = [f"Forward model: {model.structure.describe()}", f"{len(model.gaits)} gaits, {_origin(model)}", ""]
+    head = [f"Forward model: {grounds.description(model)}", f"{len(model.gaits)} gaits, {_origin(model)}", ""]
+    if depends_on_previous(model.structure):
+        head[2:2] = [grounds.SUMMED_OVER]
     try:
         columns = {effect: model.probabilities(effect) for effect in EFFECTS}
     except ZeroCountError as error:
@@ -57,7 +61,7 @@ def _outcome(model: ForwardModel, index: int) -> str:
         pose = model.predict(model.gaits.names[index])
     except ZeroCountError:
         return "never babbled"
-    return f"{pose.distance * 1000:.0f} mm at {_degrees(pose.angle)}, heading {_degrees(pose.heading)}"
+    return f"{pose.distance * 1000:.0f} mm at {degrees(pose.angle)}, heading {degrees(pose.heading)}"
 
 
 def inverse_model(inverse: InverseModel) -> str:
@@ -66,7 +70,9 @@ def inverse_model(inverse: InverseModel) -> str:
     best = table[list(names)].to_numpy().argmax(axis=1)
     rows = [[clean(name), str(int((best == i).sum()))] for i, name in enumerate(names)]
     lines = align(["gait", "best in"], rows)
-    return "\n".join([f"Inverse model: {len(table)} {grounds.coordinates(inverse.model)}", "", *lines])
+    places = f"{len(table)} {grounds.coordinates(inverse.model)}"
+    given = "".join(f", {variable} = {state}" for variable, state in inverse.model.known.items())
+    return "\n".join([f"Inverse model{given}: {places}", "", *lines])
 
 
 def posterior(answer: Posterior) -> str:
@@ -121,33 +127,34 @@ def prey_model(prey: PreyModel) -> str:
 
 def plan(shown: Plan) -> str:
     """Return a decision and the chosen branch with its values, or the posterior that decided."""
+    value, what = objective(shown.value, shown.objective)
     lines = [
         f"Plan: {clean(shown.gait)}",
         f"sequence  {' > '.join(map(clean, shown.gaits))}",
-        f"value     {shown.value:.4g}, {shown.objective}",
+        f"value     {value:.4g}, {what}",
         f"nodes     {shown.nodes} considered" + (f", {shown.expansions} expanded" if shown.expansions else ""),
     ]
     if shown.evidence_probability is not None:
         lines.append(f"evidence  P = {shown.evidence_probability:.4g}, support {grounds.rows(shown.support)}")
     trace = shown.trace
-    name, unit = value_column(trace.columns)
+    name, unit, factor = value_column(trace.columns)
     if {"node", "parent", "chosen", "T"} <= set(trace.columns) and name is not None:
-        lines += ["", *_tree(trace, name, unit)]
+        lines += ["", *_tree(trace, name, unit, factor)]
     elif shown.posterior is not None and "gait" in trace.columns:
         lines += ["", *bars(zip(trace["gait"], np.asarray(shown.posterior).tolist(), strict=True))]
     return "\n".join(lines)
 
 
-def _tree(trace: Any, value: str, unit: str, most: int = 3) -> list[str]:
+def _tree(trace: Any, value: str, unit: str, factor: float, most: int = 3) -> list[str]:
     """The chosen branch, and beside each of its nodes the next best alternatives."""
     lines = []
     for record in trace[trace["chosen"]].sort_values("T").to_dict("records"):
         indent = "  " * int(record["T"])
         name = clean(record["gait"]) or "now"
-        lines.append(f"{indent}* {name}  {record[value]:.2f} {unit}".rstrip())
+        lines.append(f"{indent}* {name}  {factor * record[value]:.2f} {unit}".rstrip())
         rivals = trace[(trace["parent"] == record["parent"]) & ~trace["chosen"]]
         for rival in rivals.nsmallest(most, value).to_dict("records"):
-            lines.append(f"{indent}  {clean(rival['gait'])}  {rival[value]:.2f}")
+            lines.append(f"{indent}  {clean(rival['gait'])}  {factor * rival[value]:.2f}")
     return lines
 
 
@@ -161,15 +168,16 @@ def episode(shown: Episode) -> str:
             str(r["step"]),
             f"{r['time']:.1f}",
             f"{r['seen_distance'] * 1000:.0f}",
-            _degrees(r["seen_angle"]),
+            degrees(r["seen_angle"]),
             clean(r["gait"]),
-            f"{r['value']:.3g}",
+            f"{objective(r['value'], r['objective'])[0]:.3g}",
             str(r["prey_observations"]),
         ]
         for r in shown.frame.to_dict("records")
     ]
     lines = align(["step", "time s", "prey mm", "bearing", "gait", "value", "moves seen"], rows, left={4})
-    return "\n".join([f"Hunt: {ending} ({what})", "", *lines])
+    value = [f"value: {objective(0.0, shown.frame['objective'].iloc[0])[1]}"] if rows else []
+    return "\n".join([f"Hunt: {ending} ({what})", "", *lines, *value])
 
 
 def bars(shares: Iterable[tuple[str, float]]) -> list[str]:
@@ -204,8 +212,3 @@ def clean(name: Any, length: int = _MOST_NAME) -> str:
     """Return a name on one line, without control characters that a terminal would obey, cut to ``length``."""
     printable = "".join(c if c.isprintable() else "�" for c in str(name))
     return printable if len(printable) <= length else printable[: length - 1] + "…"
-
-
-def _degrees(angle: float) -> str:
-    text = f"{math.degrees(angle):.0f}°"
-    return "0°" if text == "-0°" else text

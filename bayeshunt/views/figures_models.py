@@ -13,7 +13,8 @@ from bayeshunt.axes import EFFECTS, Axis
 from bayeshunt.geometry import Polar, wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.prey import PreyModel
-from bayeshunt.views import theme
+from bayeshunt.models.structures import CAUSES, PREVIOUS, depends_on_previous
+from bayeshunt.views import grounds, theme
 from bayeshunt.views.figures_style import ACCENT, BAR, FAINT, INK, LINE, PREY, body, frame_axes, shorten, styled
 
 _MOST_CELLS = 14
@@ -107,20 +108,35 @@ def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
 def network(model: ForwardModel) -> Figure:
     """Return the network (the paper's figure 1b): its edges, and the distribution over each variable."""
     figure = Figure(figsize=(7.2, _height(model, 4.2)))
-    gait_axes = figure.add_axes((0.15, 0.18, 0.19, 0.68))
+    before = PREVIOUS in model.known or depends_on_previous(model.structure)
+    gait_axes = figure.add_axes((0.15, 0.34, 0.19, 0.52) if before else (0.15, 0.18, 0.19, 0.68))
     shares = model.probabilities("Gait")
     colours = [theme.gait_colour(i) for i in range(len(model.gaits))]
     gait_axes.barh(range(len(colours)), shares, color=colours, height=0.7)
     _name_gaits(gait_axes, model, 16)
     gait_axes.set_title("P(Gait)")
     boxes = {"Gait": gait_axes}
+    if before:
+        boxes[PREVIOUS] = _gait_before(figure, model)
     for place, effect in enumerate(EFFECTS):
         axes = boxes[effect] = figure.add_axes((0.6, 0.765 - 0.305 * place, 0.37, 0.17))
         _effect_bars(axes, model.axes[effect], model.probabilities(effect) @ shares)
-    for parent, child in model.structure.edges:
-        _edge(figure, boxes[parent], boxes[child], parent == "Gait")
-    figure.text(0.02, 0.03, f"P(Gait) {model.structure.describe()}", fontsize=8.5, color=FAINT)
+    known = [(cause, effect) for cause in model.known for effect in EFFECTS]
+    for parent, child in (*model.structure.edges, *known):
+        _edge(figure, boxes[parent], boxes[child], parent in CAUSES)
+    causes = " ".join(f"P({cause})" for cause in model.structure.causes)
+    figure.text(0.02, 0.03, f"{causes} {grounds.description(model)}", fontsize=6.5 if before else 8.5, color=FAINT)
     return figure
+
+
+def _gait_before(figure: Figure, model: ForwardModel) -> Axes:
+    """A box for the gait before: the one that is known, or that it is summed over."""
+    axes = figure.add_axes((0.15, 0.13, 0.19, 0.09))
+    axes.set(title=PREVIOUS, xticks=[], yticks=[])
+    axes.spines[["top", "right"]].set_visible(True)
+    said = model.known.get(PREVIOUS, f"summed over, {model.gait_prior}")
+    axes.text(0.5, 0.45, said, ha="center", va="center", fontsize=8, transform=axes.transAxes)
+    return axes
 
 
 def _effect_bars(axes: Axes, axis: Axis, shares: np.ndarray) -> None:

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 #: Why nothing is known of the rows behind an imported network.
 NO_COUNTS = "an imported network carries no counts"
+_NO_CHANCE = "nearest; the target itself has probability 0"
+#: What the tables of a model that depends on the gait before are, unless it is asked for those after a gait.
+SUMMED_OVER = "The gait before is summed over; model.after(gait) has the tables after one gait, with their counts."
 
 
 def rows(support: Any) -> str:
@@ -31,7 +34,8 @@ def snapped(answer: Posterior) -> str:
     """Return why another coordinate than the target's own answers, "" if its own does."""
     if not answer.snapped:
         return ""
-    return "nearest; the target itself " + ("was never babbled" if answer.model.has_counts else "has probability 0")
+    after = "".join(f" after {state}" for state in answer.model.known.values())
+    return f"nearest; the target itself was never babbled{after}" if answer.model.has_counts else _NO_CHANCE
 
 
 def coordinates(model: ForwardModel) -> str:
@@ -42,3 +46,9 @@ def coordinates(model: ForwardModel) -> str:
 def coordinate_used(model: ForwardModel) -> str:
     """Return the name of the coordinate that answered."""
     return "learned coordinate" if model.has_counts else "coordinate used"
+
+
+def description(model: ForwardModel) -> str:
+    """Return the factors of a model's network, with the state of a cause that is known."""
+    known = "".join(f", {variable} = {state}" for variable, state in model.known.items())
+    return model.structure.describe().replace("| Gait)", f"| Gait{known})")

@@ -1,4 +1,4 @@
-"""The network as a drawing: Gait and its three effects, each with the distribution over its states."""
+"""The network as a drawing: its causes and its three effects, each with the distribution over its states."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from bayeshunt.axes import EFFECTS, Axis
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.posterior import Posterior
-from bayeshunt.views import svg
+from bayeshunt.models.structures import PREVIOUS, depends_on_previous
+from bayeshunt.views import grounds, svg
 from bayeshunt.views.display_html import Html, tag
 
 _WIDTH = 720
@@ -18,6 +19,7 @@ _GAP = 18
 _LEFT = 282  # width of the Gait node
 _RIGHT = _WIDTH - _NODE[0] - 20  # where the effects' nodes start
 _ROW = 16  # height of a gait's bar
+_BEFORE = 52  # height of the PreviousGait node
 _MOST_GAITS = 16
 _MOST_BARS = 120
 
@@ -45,19 +47,26 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
         bins = zip(EFFECTS, (answer.cell.distance_bin, answer.cell.angle_bin, answer.cell.heading_bin), strict=True)
         seen = {effect: index for effect, index in bins if index is not None}
     shown = min(len(model.gaits), _MOST_GAITS)
-    left_height = 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
+    gait_height = 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
+    before = PREVIOUS in model.known or depends_on_previous(model.structure)
+    left_height = gait_height + (_GAP + _BEFORE if before else 0)
     right_height = 3 * _NODE[1] + 2 * _GAP
     height = max(left_height, right_height) + 4
     top = (height - left_height) / 2
-    parts = [_gait_node(model, shares["Gait"], top, left_height, answer is not None)]
+    parts = [_gait_node(model, shares["Gait"], top, gait_height, answer is not None)]
+    causes = {"Gait": top + gait_height / 2}  # middle of each node
+    if before:
+        causes[PREVIOUS] = top + left_height - _BEFORE / 2
+        parts.append(_before_node(model, causes[PREVIOUS] - _BEFORE / 2))
     first = (height - right_height) / 2
     for place, effect in enumerate(EFFECTS):
         y = first + place * (_NODE[1] + _GAP)
-        if "Gait" in model.structure.parents(effect):
-            parts.append(svg.arrow(_LEFT + 4, height / 2, _RIGHT - 4, y + _NODE[1] / 2))
+        for cause, middle in causes.items():
+            if cause in (*model.structure.parents(effect), *model.known):
+                parts.append(svg.arrow(_LEFT + 4, middle, _RIGHT - 4, y + _NODE[1] / 2))
         parts += [_link(EFFECTS.index(p), place, first) for p in model.structure.parents(effect) if p in EFFECTS]
         parts.append(_effect_node(model.axes[effect], shares[effect], seen.get(effect), y))
-    return svg.drawing(_WIDTH, height, *parts, label=f"{model.structure.describe()}; bars are probabilities")
+    return svg.drawing(_WIDTH, height, *parts, label=f"{grounds.description(model)}; bars are probabilities")
 
 
 def _link(parent: int, child: int, first: float) -> Html:
@@ -101,6 +110,14 @@ def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: floa
         left = len(shares) - _MOST_GAITS
         parts.append(svg.text(122, top + 34 + _MOST_GAITS * _ROW + 10, f"and {left} more", anchor="end", faint=True))
     return tag("g", *parts)
+
+
+def _before_node(model: ForwardModel, top: float) -> Html:
+    """The gait before: observed, or summed over."""
+    observed = model.known.get(PREVIOUS)
+    parts = _frame(2, top, _LEFT, _BEFORE, PREVIOUS, "observed" if observed else "summed over", observed is not None)
+    said = svg.shorten(observed, 40) if observed else f"{len(model.gaits)} gaits, P(PreviousGait) {model.gait_prior}"
+    return tag("g", *parts, svg.text(14, top + 40, said, faint=observed is None))
 
 
 def _effect_node(axis: Axis, shares: np.ndarray, observed: int | None, y: float) -> Html:
