@@ -46,6 +46,18 @@ def test_counts_by_context():
     assert tables["place"].total(tables["place"].context(Pose(0.01, 0.01, 3.0), None)) == 0  # facing the other way
 
 
+def test_contexts_by_hand():
+    tables = {kind: TransitionTables(kind, EffectAxes.standard(BODY), PLACE) for kind in KINDS}
+    assert tables["all"].context(None, None) == ()
+    # places of 10 cm; directions in eighths of a turn, counter-clockwise from x, whatever the number of turns
+    assert tables["place"].context(Pose(0.25, -0.05, 0.5 * math.pi), None) == (2, -1, 2)
+    assert tables["place"].context(Pose(0.25, -0.05, -0.26 * math.pi + 2 * math.pi), None) == (2, -1, 7)
+    # turns in eighths, clockwise; distances in five bins of 5.7 mm, none beyond the tenth
+    assert tables["previous"].context(None, Polar(0.16, 0.0, -0.5 * math.pi)) == (6, 5)
+    assert tables["previous"].context(None, Polar(0.02, 0.0, 0.26 * math.pi - 2 * math.pi)) == (1, 0)
+    assert tables["previous"].context(None, Polar(0.5, 0.0, 0.0)) == (0, 9)
+
+
 def test_what_is_not_known_has_no_context():
     for kind, known in zip(KINDS, (True, False, False), strict=True):
         tables = TransitionTables(kind, EffectAxes.standard(BODY), PLACE)

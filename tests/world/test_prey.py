@@ -11,6 +11,7 @@ from bayeshunt.geometry import Pose
 from bayeshunt.settings import load_experiment
 from bayeshunt.world.arena import Arena, Streams
 from bayeshunt.world.prey import Context, build_prey, prey_names, register_prey
+from bayeshunt.world.sensors import proximity
 
 ORIGIN, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
 QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
@@ -49,6 +50,18 @@ def test_braitenberg_in_free_space_goes_straight_at_its_free_speed():
     path = track(PreySettings(behaviour="braitenberg", noise=QUIET), seconds=10.0)
     assert path[-1][1] == pytest.approx(0.0, abs=1e-6)
     assert path[-1][0] == pytest.approx(0.3 + 0.48, abs=0.005)
+
+
+@pytest.mark.parametrize("pose", [(0.55, 0.1, 0.4), (0.53, 0.55, 0.7), (0.2, -0.56, -1.2)])
+def test_braitenberg_wheels_by_hand(pose):
+    weights = [(-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5)]  # Webots' Khepera
+    settings = PreySettings(sensor_noise=0.0, speed=0.06)
+    prey = build_prey(Context(settings, ArenaSettings(walled=True), 0.057, 0.064, np.random.default_rng(0)))
+    values = proximity(*pose, 0.05, (0.6, 0.6), None)
+    assert any(0 < value < 1023 for value in values)
+    units = [sum(w[i] * (1 - value / 512) for w, value in zip(weights, values, strict=True)) for i in (0, 1)]
+    expected = [0.06 / 3 * max(-10.0, min(10.0, unit)) for unit in units]
+    assert prey.act(*pose, 0.0, 0.0) == pytest.approx(expected, rel=1e-12)
 
 
 def test_braitenberg_turns_away_from_a_wall_before_it_touches():
