@@ -121,7 +121,7 @@ def export(
     lines = [_listed(out, names)]
     if xmlbif is not None:
         forward.to_xmlbif(xmlbif)
-        lines.append(f"{xmlbif}; what its states are: {labels_path(xmlbif)}")
+        lines += [str(xmlbif), f"{labels_path(xmlbif)}: what its states are called"]
     facts = {"out": str(out), "files": names, "xmlbif": None if xmlbif is None else str(xmlbif)}
     tell(facts, as_json, "\n".join(lines))
 

@@ -73,7 +73,8 @@ def test_export_puts_the_network_into_the_folder_that_it_makes(model_file, tmp_p
     done = run("export", model_file, "--out", "made", "--xmlbif", "made/net.xmlbif")
     assert done.exit_code == 0, done.output
     assert done.stdout.splitlines() == [
-        "made: 4 files", "  gait.csv", "  distance.csv", "  angle.csv", "  heading.csv", "made/net.xmlbif"
+        "made: 4 files", "  gait.csv", "  distance.csv", "  angle.csv", "  heading.csv", "made/net.xmlbif",
+        "made/net.xmlbif.labels.json: what its states are called",
     ]  # fmt: skip
     assert (tmp_path / "made" / "net.xmlbif").is_file()
     refused = run("export", model_file, "--out", "other", "--xmlbif", "elsewhere/net.xmlbif")
