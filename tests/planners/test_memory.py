@@ -40,6 +40,9 @@ def test_counts_by_context():
     assert tables["all"].total(()) == 30
     assert tables["all"].cpt()["count"].tolist() == [10, 20]
     assert tables["all"].cpt()["probability"].sum() == pytest.approx(1.0)
+    assert tables["all"].cpt()["distance"].tolist() == pytest.approx([21.5 * 0.0057, 28.5 * 0.0057])  # cell centres
+    assert tables["all"].uniform == pytest.approx(1 / (100 * 36 * 36))
+    assert tables["all"].centre((28, 18, 18)) == pytest.approx((28.5 * 0.0057, 0.0, 0.0))
     assert tables["previous"].total(tables["previous"].context(None, STRAIGHT)) == 10  # it turned left after it
     assert tables["previous"].total(tables["previous"].context(None, LEFT)) == 10
     assert tables["place"].total(tables["place"].context(Pose(0.01, 0.01, 0.1), None)) == 10
