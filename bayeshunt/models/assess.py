@@ -23,8 +23,11 @@ from bayeshunt.models import assess_scores as scores
 from bayeshunt.models.assess_independence import independence
 from bayeshunt.models.assess_rows import CodedRows
 from bayeshunt.models.assess_structures import compare
+from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.structures import NAIVE, STRUCTURES, Structure
+from bayeshunt.models.previous import PreviousGaitModel
+from bayeshunt.models.previous_counts import PreviousCounts, counts_for
+from bayeshunt.models.structures import NAIVE, PREVIOUS, STRUCTURES, Structure, depends_on_previous
 from bayeshunt.settings import recorded_robot
 
 #: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.
@@ -112,6 +115,8 @@ def assess(
     repertoire = _repertoire(frame, gaits, model)
     grid = axes or (model.axes if model is not None else EffectAxes.standard(repertoire.body_length))
     rows = CodedRows.of(frame, repertoire, grid)
+    if model is not None and depends_on_previous(model.structure) and not rows.has_previous:
+        raise InputError("the model depends on the gait before, and the table has no column previous_gait")
     others, notes = _others(rows, structures)
     for_folds, for_shuffles = np.random.SeedSequence(seed).spawn(2)
     fold = rows.folds(folds, np.random.default_rng(for_folds))
@@ -151,14 +156,7 @@ def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]
 
 def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[str, Any]:
     """Scores of a model's own tables: held out only if it has not counted these rows; None where nobody knows."""
-    seen = rows.codes[:, -4:]
-    inside = seen[:, 1] < model.axes.distance.bins
-    probability = np.zeros(len(seen))
-    _, distance, angle, heading = seen[inside].T
-    chosen = model.probabilities("Gait")
-    joint = model.evidence(distance, angle, heading)
-    joint = np.divide(joint, chosen, out=np.zeros_like(joint), where=chosen > 0)  # a gait of probability 0 does nothing
-    probability[inside] = joint[np.arange(len(joint)), seen[inside, 0]]
+    probability = _own_probability(model, rows)
     possible = probability > 0
     with np.errstate(divide="ignore"):
         log_loss = float(-np.log(probability).mean())
@@ -168,8 +166,31 @@ def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[st
         "log_loss": log_loss,
         "impossible": int((~possible).sum()),
         "log_loss_of_possible": float(-np.log(probability[possible]).mean()) if possible.any() else math.nan,
-        "same_rows": model.joint == type(model.joint).of(frame, model.gaits, model.axes) if model.has_counts else None,
+        "same_rows": _counted(model) == counts_for(model.structure).of(frame, model.gaits, model.axes)
+        if model.has_counts
+        else None,
     }
+
+
+def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
+    """P(Distance, Angle, Heading | Gait) [N] of each row, given the gait before as well if the model depends on it."""
+    seen, names = rows.codes[:, -4:], model.gaits.names
+    inside = seen[:, 1] < model.axes.distance.bins
+    before = rows.column(PREVIOUS) if depends_on_previous(model.structure) else np.full(len(seen), len(names))
+    chosen = model.probabilities("Gait")
+    probability = np.zeros(len(seen))
+    for state in np.unique(before[inside]).tolist():
+        mine = inside & (before == state)
+        gait, *bins = seen[mine].T
+        joint = model.after(names[state] if state < len(names) else None).evidence(*bins)
+        # a gait of probability 0 does nothing
+        joint = np.divide(joint, chosen, out=np.zeros_like(joint), where=chosen > 0)
+        probability[mine] = joint[np.arange(len(joint)), gait]
+    return probability
+
+
+def _counted(model: ForwardModel) -> JointCounts | PreviousCounts:
+    return model.by_previous if isinstance(model, PreviousGaitModel) else model.joint
 
 
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
