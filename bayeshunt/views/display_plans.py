@@ -13,20 +13,22 @@ from bayeshunt.planners.base import Plan
 from bayeshunt.views import grounds, svg_map
 from bayeshunt.views.display_html import Html, card, facts, fold, join, number, row, table, tag
 from bayeshunt.views.display_models import bars
+from bayeshunt.views.units import objective
 
 #: At most so many children of a node and so many nodes of a tree are shown.
 MOST_CHILDREN = 12
 MOST_NODES = 1500
 _MOST_ROWS = 200
-#: Names that traces give to the value of a node, and their units.
-_VALUES = (("value_bodies", "bodies"), ("value_s", "s"), ("value_m", "m"), ("value", ""))
+#: Names that traces give to the value of a node, the unit that people read, and how many of it one is.
+_VALUES = (("value_m", "mm", 1000.0), ("value_s", "s", 1.0), ("value", "", 1.0))
 
 
 def plan(shown: Plan) -> Html:
     """Return a decision, what it expects, and the alternatives considered with the chosen branch lit."""
+    value, what = objective(shown.value, shown.objective)
     pairs: list[tuple[str, Any]] = [
         ("sequence", _runs(shown.gaits)),
-        (shown.objective, number(shown.value, 4)),
+        (what, number(value, 4)),
         ("alternatives considered", shown.nodes),
     ]
     if shown.expansions:
@@ -83,9 +85,9 @@ def _node(record: dict[str, Any]) -> list[Any]:
     """What one node says: its last gait, how deep, its value, when it was expanded."""
     gait = record.get("gait") or "now"
     words = []
-    name, unit = value_column(record)
+    name, unit, factor = value_column(record)
     if name is not None:
-        words.append(f"{number(record[name])} {unit}".rstrip())
+        words.append(f"{number(factor * record[name])} {unit}".rstrip())
     if record.get("transition_cost"):
         words.append(f"{record['transition_cost']} change{'s' if record['transition_cost'] != 1 else ''} of gait")
     if record.get("expansion", -1) >= 0:
@@ -95,14 +97,17 @@ def _node(record: dict[str, Any]) -> list[Any]:
 
 
 def _value(record: dict[str, Any]) -> float:
-    name, _ = value_column(record)
+    name, _, _ = value_column(record)
     value = 0.0 if name is None else float(record[name])
     return math.inf if math.isnan(value) else value
 
 
-def value_column(columns: Any) -> tuple[str | None, str]:
-    """Return which column of a trace holds the value of a node, and its unit; (None, "") if none does."""
-    return next(((name, unit) for name, unit in _VALUES if name in columns), (None, ""))
+def value_column(columns: Any) -> tuple[str | None, str, float]:
+    """Return which column of a trace holds the value of a node, the unit to show it in, and how many of it one is.
+
+    (None, "", 1.0) if no column does.
+    """
+    return next((found for found in _VALUES if found[0] in columns), (None, "", 1.0))
 
 
 def episode(shown: Episode) -> Html:
@@ -114,8 +119,8 @@ def episode(shown: Episode) -> Html:
     ]
     changes = int((shown.frame["gait"].to_numpy()[1:] != shown.frame["gait"].to_numpy()[:-1]).sum())
     pairs += [("decisions", len(shown.frame)), ("changes of gait", changes)]
-    objective = shown.frame["objective"].iloc[0] if len(shown.frame) else ""
-    note = tag("div", f"value: {objective}; moves seen: prey transitions learned before the decision", class_="bh-note")
+    what = objective(0.0, shown.frame["objective"].iloc[0])[1] if len(shown.frame) else ""
+    note = tag("div", f"value: {what}; moves seen: prey transitions learned before the decision", class_="bh-note")
     body = tag("div", svg_map.episode_map(shown), _decisions(shown.frame), class_="bh-two")
     return card(f"Hunt: {ending}", _where(shown), facts(pairs), body, note)
 
@@ -133,7 +138,8 @@ def _decisions(frame: pd.DataFrame) -> Html:
                 r["step"],
                 [
                     f"{r['time']:.1f}", f"{r['seen_distance'] * 1000:.0f}", f"{math.degrees(r['seen_angle']):.0f}",
-                    tag("td", r["gait"], class_="bh-left"), number(r["value"]), r["prey_observations"],
+                    tag("td", r["gait"], class_="bh-left"),
+                    number(objective(r["value"], r["objective"])[0]), r["prey_observations"],
                 ],
             )
         )  # fmt: skip

@@ -20,6 +20,7 @@ from rich.progress import (
 )
 from rich.table import Table
 from rich.text import Text
+from bayeshunt.views.units import degrees, millimetres, objective
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
@@ -120,14 +121,12 @@ def episode_table(episode: Any) -> None:
     for name in ("step", "time", "prey at", "bearing", "aims at", "gait", "value", "moves seen"):
         table.add_column(name, justify="left" if name == "gait" else "right", no_wrap=True)
     for row in episode.frame.itertuples():
-        aim = "" if math.isnan(row.target_distance) else f"{row.target_distance:.3f} m"
-        bearing = f"{math.degrees(row.seen_angle):+.0f} deg"
-        seen = f"{row.seen_distance:.3f} m", bearing, aim
-        moves = str(row.prey_observations)
-        table.add_row(str(row.step), f"{row.time:.1f} s", *seen, row.gait, f"{row.value:.3g}", moves)
+        seen = millimetres(row.seen_distance), degrees(row.seen_angle), millimetres(row.target_distance)
+        value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
+        table.add_row(str(row.step), f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
     out.print(table)
-    objective = episode.frame["objective"].iloc[0] if len(episode.frame) else ""
-    out.print(f"value: {objective}. moves seen: prey transitions learned so far.", style="dim")
+    what = objective(0.0, episode.frame["objective"].iloc[0])[1] if len(episode.frame) else ""
+    out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
         out.print(
             "aims at: distance of the place it makes for; who predicts makes for one some steps ahead.", style="dim"

@@ -315,7 +315,7 @@ def test_the_chosen_branch_is_lit_and_open(shown) -> None:
     assert len(lit) == len(branch)
     for text, row in zip(lit, branch.to_dict("records"), strict=True):
         assert (row["gait"] or "now") in text
-        assert display_html.number(row["value_bodies"]) in text
+        assert f"{display_html.number(1000 * row['value_m'])} mm" in text
     unfolded = [e for e in page.find("details") if "open" in e["attributes"]]
     inner = [row for row in branch.to_dict("records") if row["expanded"]]
     assert len(unfolded) == 1 + len(inner)  # the fold around the tree, and every inner node of the branch
