@@ -65,7 +65,8 @@ def replay_data(
     planner, arena, theta, seed = (origin[key] for key in ("planner", "arena", "theta", "seed"))
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]
-    steps = [_step(row, settings, model) for row in records]
+    before = [None, *(row["gait"] for row in records)]
+    steps = [_step(row, settings, model, previous) for row, previous in zip(records, before, strict=False)]
     return {
         "title": f"{planner}, {arena} arena, prey first at {theta:g} rad",
         "planner": planner, "arena": arena, "theta": theta, "seed": str(seed),
@@ -92,7 +93,9 @@ def _trail(episode: Episode, every: int) -> dict[str, list[Any]]:
     }
 
 
-def _step(row: dict[str, Any], settings: ExperimentSettings, model: ForwardModel | None) -> dict[str, Any]:
+def _step(
+    row: dict[str, Any], settings: ExperimentSettings, model: ForwardModel | None, previous: str | None
+) -> dict[str, Any]:
     """Everything that the panels and the canvas show of one decision."""
     hunter = Pose(*(row[f"hunter_{k}"] for k in Pose._fields))
     target = _polar(row, "target")
@@ -112,7 +115,7 @@ def _step(row: dict[str, Any], settings: ExperimentSettings, model: ForwardModel
         "fresh": _cell_of(observed, prey_rows, settings),
         "predicted": _world_path(hunter, predicted),
         "aimed": _aimed(predicted, target),
-        "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model)),
+        "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
         "bars": _bars(row, settings),
     }  # fmt: skip
 
@@ -164,13 +167,14 @@ def _moving(path: Polar | None) -> Polar | None:
     return path
 
 
-def _expected_path(gaits: list[str], model: ForwardModel | None) -> Polar | None:
-    """Where the forward model expects a sequence of gaits to lead, as a Polar of arrays [T + 1]."""
+def _expected_path(gaits: list[str], model: ForwardModel | None, previous: str | None) -> Polar | None:
+    """Where the forward model expects a sequence of gaits to lead after ``previous``, as a Polar of arrays [T + 1]."""
     if model is None:
         return None
     poses = [Polar(0.0, 0.0, 0.0)]
     for gait in gaits:
-        poses.append(poses[-1].compose(model.predict(gait)))
+        poses.append(poses[-1].compose(model.after(previous).predict(gait)))
+        previous = gait
     return Polar(*(np.array(part) for part in zip(*poses, strict=True)))
 
 
