@@ -9,6 +9,7 @@ from datetime import timedelta
 from typing import Any
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -20,12 +21,14 @@ from rich.progress import (
 )
 from rich.table import Table
 from rich.text import Text
+
 from bayeshunt.views.units import degrees, millimetres, objective
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
 
 _BAR = 30  # characters of a full bar
+_FOLDED = 8  # characters that a column which may fold keeps at least
 
 
 @contextlib.contextmanager
@@ -46,6 +49,18 @@ def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Cal
 def say(text: str) -> None:
     """Print one message line on stderr."""
     messages.print(text, soft_wrap=True, markup=False)
+
+
+def print_table(table: Table) -> None:
+    """Print a table with every number whole: names fold, and where that is not enough lines outgrow the terminal."""
+    whole = out.measure(table, options=out.options.update(max_width=10_000)).maximum
+    for column in table.columns:
+        if not column.no_wrap:
+            widest = max(cell_len(str(part)) for part in (column.header, *column.cells))
+            whole -= max(widest - (column.min_width or _FOLDED), 0)
+    if whole > out.width:
+        table.width = whole
+    out.print(table, crop=False)
 
 
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
@@ -79,7 +94,7 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
         cells[0] += " *" if row["planner"] in marked else ""
         shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
         table.add_row(*shown, style="bold" if total and per_theta else None)
-    out.print(table)
+    print_table(table)
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
     if marked:
@@ -96,7 +111,7 @@ def status_table(found: Any) -> None:
         table.add_column(name, justify="right", no_wrap=True)
     for share in found.shares:
         table.add_row(share.planner, share.arena, f"{share.ended:,}", f"{share.planned:,}", f"{share.caught:,}")
-    out.print(table)
+    print_table(table)
     percent = 100 * found.ended / found.planned
     out.print(f"{found.experiment}: {found.ended:,} of {found.planned:,} hunts, {percent:.1f} %", style="bold")
     if found.running and found.rate:
@@ -124,7 +139,7 @@ def episode_table(episode: Any) -> None:
         seen = millimetres(row.seen_distance), degrees(row.seen_angle), millimetres(row.target_distance)
         value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
         table.add_row(str(row.step), f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
-    out.print(table)
+    print_table(table)
     what = objective(0.0, episode.frame["objective"].iloc[0])[1] if len(episode.frame) else ""
     out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
@@ -143,7 +158,7 @@ def settings_table(rows: list[dict[str, Any]]) -> None:
         table.add_column(name, overflow="fold")
     for row in rows:
         table.add_row(*(Text(str(row[name])) for name in ("key", "range", "default", "meaning")))
-    out.print(table)
+    print_table(table)
 
 
 def sweep_table(frame: Any) -> None:
@@ -166,7 +181,7 @@ def sweep_table(frame: Any) -> None:
         shown = [f"{v:g}" if isinstance(v, float) else str(v) for v in point]
         cells = _cells({**row, "theta": None, "paper_success": None})
         table.add_row(*shown, *cells[:2], *cells[3:7])
-    out.print(table)
+    print_table(table)
     if frame.attrs["note"]:
         out.print(Text(frame.attrs["note"], style="italic"))
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
@@ -189,7 +204,7 @@ def tradeoff_table(frame: Any) -> None:
             f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
             f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
         )  # fmt: skip
-    out.print(table)
+    print_table(table)
     weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
     out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
     out.print("95 %: Wilson interval of the success in per cent. s, m, changes: mean time, distance and changes "
@@ -225,7 +240,7 @@ def posterior_bars(answer: Any) -> None:
     for gait, probability in answer.probabilities.items():
         style = "bold" if gait == answer.best else None
         table.add_row(Text(str(gait)), _bar(float(probability)), f"{probability:.4f}", style=style)
-    out.print(table)
+    print_table(table)
     used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
     for variable, state in answer.model.known.items():
         out.print(Text(f"{variable:<21}{state}"))
@@ -251,7 +266,7 @@ def explanation_table(answer: Any) -> None:
         style = "bold" if gait == answer.best else None
         numbers = ("never" if row[part] == -math.inf else f"{row[part]:+.2f}" for part in parts)
         table.add_row(Text(str(gait)), Text(str(row["reference"])), *numbers, style=style)
-    out.print(table)
+    print_table(table)
     never = "not seen there" if answer.model.has_counts else "of probability 0 there"
     out.print(f"Natural logarithms of ratios; the parts add up to the log-odds. never: {never}.", style="dim")
 
