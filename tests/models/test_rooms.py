@@ -10,8 +10,9 @@ import pytest
 
 from bayeshunt.errors import DataError, ModelFileError
 from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.geometry import Pose
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.rooms import RoomModel, _hull
+from bayeshunt.models.rooms import RoomModel, _held_up, _hull
 
 #: Walls ahead, to the left and to the right; nothing behind.
 THREE_SIDES = [(1, 0, 0.3), (0, 1, 0.25), (0, -1, 0.35)]
@@ -49,6 +50,21 @@ def test_hull_by_hand():
     square = np.array([[0, 0], [2, 0], [2, 1], [0, 1]], dtype=float)
     inside = np.array([[1, 0.5], [1, 0.0], [0.3, 0.9]])
     assert _hull(np.concatenate([inside, square, square])).tolist() == square.tolist()
+
+
+def test_steps_that_end_elsewhere_than_their_gait_leads_were_held_up():
+    gaits = GaitRepertoire((Gait("go"), Gait("veer")), 0.05, 3.0)
+    rows = {"gait": ["go", "veer"], "distance": [0.2, 0.15], "angle": [0.0, 0.6], "heading": [0.0, 0.9]}
+    model = ForwardModel.fit(pd.DataFrame(rows), gaits)
+    here, track, expected = Pose(0.0, 0.0, 0.0), [], []
+    for step, (name, off) in enumerate([("veer", 0.0), ("go", 0.049), ("veer", 0.051), ("go", 0.0), ("veer", 0.04)]):
+        led = here.compose(model.predict(name))
+        here = led._replace(x=led.x + 0.6 * off, y=led.y - 0.8 * off)  # a body length is 0.05 m
+        for interval in (1, 2):
+            track.append((step, name, interval, *(here if interval == 2 else Pose(9.0, 9.0, 9.0))))
+            expected.append(off > 0.05)
+    table = pd.DataFrame(track, columns=["step", "gait", "interval", "x", "y", "theta"])
+    assert _held_up(table, model).tolist() == expected
 
 
 def test_walls_of_a_rectangle(model):
