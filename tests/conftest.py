@@ -1,8 +1,10 @@
 """What many tests share: one small babbling table, the model fitted to it, and the command line as typed."""
 
 import os
+from operator import itemgetter
 
 import pytest
+from joblib.externals.loky import get_reusable_executor
 
 from bayeshunt.cli import main
 from bayeshunt.models.forward import ForwardModel
@@ -25,6 +27,18 @@ def khepera_frame():
 def khepera_model(khepera_frame):
     """The forward model of those."""
     return ForwardModel.fit(khepera_frame, load_robot("khepera").gaits)
+
+
+@pytest.fixture(scope="session")
+def worker():
+    """Send a thing to a worker process and back, as an evaluation sends its model: a function."""
+    pool = get_reusable_executor(max_workers=1)
+
+    def sent(thing):
+        return pool.submit(itemgetter(0), (thing,)).result(timeout=60)
+
+    yield sent
+    pool.shutdown(wait=True)
 
 
 @pytest.fixture

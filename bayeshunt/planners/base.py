@@ -133,7 +133,7 @@ class Plan:
         return self.make_trace()
 
     def __getstate__(self) -> dict[str, Any]:
-        # A pickled plan carries its finished trace, not the planner's tables.
+        # A plan that is sent to another process carries its finished trace, not the planner's tables.
         state = {name: value for name, value in self.__dict__.items() if name != "trace"}
         state["make_trace"] = partial(_given, self.trace)
         return state

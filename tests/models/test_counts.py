@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import pickle
 
 import numpy as np
 import pandas as pd
@@ -153,9 +152,9 @@ def test_an_absurd_distance_is_refused_not_tabulated() -> None:
         JointCounts.of(frame, repertoire(), EffectAxes.standard(0.057))
 
 
-def test_arrays_stay_read_only_when_sent_to_another_process() -> None:
+def test_arrays_stay_read_only_when_sent_to_another_process(worker) -> None:
     joint = JointCounts.of(babbled(30, seed=1), repertoire(), EffectAxes.standard(0.057))
-    twin = pickle.loads(pickle.dumps(joint))
+    twin = worker(joint)
     assert twin == joint
     for array in (twin.cells, twin.counts, twin.sums):
         with pytest.raises(ValueError, match="read-only"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -103,7 +102,9 @@ def test_without_a_label_map_the_bins_must_be_given(pair, tmp_path: Path) -> Non
     model, path = pair
     alone = tmp_path / "alone.xml"
     shutil.copy(path, alone)
-    with pytest.raises(bh.InputError, match=r"alone\.xml: the states of Distance \('d00', \.\.\.\).*labels\.json.*axes="):
+    with pytest.raises(
+        bh.InputError, match=r"alone\.xml: the states of Distance \('d00', \.\.\.\).*labels\.json.*axes="
+    ):
         bh.import_network(alone)
     imported = bh.import_network(alone, gaits=model.gaits, axes=model.axes)
     check_same_answers(model, imported)
@@ -121,7 +122,7 @@ def test_an_import_plans_and_hunts(pair) -> None:
     assert hunts[0].frame["gait"].tolist() == hunts[1].frame["gait"].tolist()
 
 
-def test_an_import_says_what_it_lacks(pair, tmp_path: Path, khepera_frame) -> None:
+def test_an_import_says_what_it_lacks(pair, tmp_path: Path, khepera_frame, worker) -> None:
     imported = bh.import_network(pair[1])
     for action in (
         lambda: imported.counts("Angle"),
@@ -136,7 +137,7 @@ def test_an_import_says_what_it_lacks(pair, tmp_path: Path, khepera_frame) -> No
             action()
         assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
-    again = pickle.loads(pickle.dumps(imported))
+    again = worker(imported)
     assert again == imported
     assert hash(again) == hash(imported)
     assert imported != pair[0]

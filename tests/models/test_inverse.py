@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -218,6 +217,6 @@ def test_empty_model_has_no_inverse() -> None:
         InverseModel(ForwardModel.empty(["a"], 1.0))
 
 
-def test_a_copy_in_another_process_answers_the_same(inverse: InverseModel) -> None:
-    twin = pickle.loads(pickle.dumps(inverse))
+def test_a_copy_from_another_process_answers_the_same(inverse: InverseModel, worker) -> None:
+    twin = worker(inverse)
     assert twin.posterior(0.4, 1.0).values.tolist() == inverse.posterior(0.4, 1.0).values.tolist()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -93,8 +92,8 @@ def test_rows_changed_after_the_fit_are_noticed() -> None:
         model.rows("Gait", "slow")
 
 
-def test_models_travel_without_their_rows(model) -> None:
-    arrived = pickle.loads(pickle.dumps(model))
+def test_models_travel_without_their_rows(model, worker) -> None:
+    arrived = worker(model)
     assert arrived == model
     assert not arrived.data
 
