@@ -1,6 +1,10 @@
 """The hunt: one seed, one episode; what the record says is what happened."""
 
+import json
+
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from bayeshunt.episode import Episode
@@ -94,6 +98,34 @@ def test_saved_episodes_come_back(planners, tmp_path):
     assert again.provenance == episode.provenance
     with pytest.raises(DataError, match="no such file"):
         Episode.load(tmp_path / "nowhere.parquet")
+
+
+@pytest.mark.parametrize("name", ["planning", "reactive"])
+def test_an_episode_changed_on_disk_is_refused(planners, tmp_path, name):
+    path = tmp_path / "e.parquet"
+    episode = hunt("paper", planners[name], arena="walled", theta=3.0, seed=2)
+    episode.save(path)
+    table = pq.read_table(path)  # a value changed by a program that keeps the file's own record of it
+    changed = table.set_column(table.column_names.index("value"), "value", pa.array([0.5] * table.num_rows))
+    pq.write_table(changed.replace_schema_metadata(table.schema.metadata), path)
+    with pytest.raises(DataError, match="does not match its checksum"):
+        Episode.load(path)
+    record = {key: value.replace(b'"seed": 2', b'"seed": 3') for key, value in table.schema.metadata.items()}
+    pq.write_table(table.replace_schema_metadata(record), path)
+    with pytest.raises(DataError, match=r"e\.parquet: cannot be read as an episode .*; give a file made by"):
+        Episode.load(path)
+
+
+def test_episodes_of_versions_without_checksums_come_back(planners, tmp_path):
+    episode = hunt("paper", planners["planning"], arena="walled", theta=3.0, seed=2)
+    record = {**episode.provenance, "trail": {c: episode.trail[c].tolist() for c in episode.trail}}
+    table = pa.Table.from_pandas(episode.frame, preserve_index=False)
+    table = table.replace_schema_metadata({b"bayeshunt": json.dumps(record).encode()})
+    pq.write_table(table, tmp_path / "old.parquet")
+    again = Episode.load(tmp_path / "old.parquet")
+    assert again.provenance == episode.provenance
+    assert again.trail.equals(episode.trail)
+    assert again.frame["value"].tolist() == episode.frame["value"].tolist()
 
 
 def test_numbers_of_numpy_are_numbers(planners, tmp_path):
