@@ -94,9 +94,14 @@ def babble_to_file(
 
 def kept_rows(path: str | os.PathLike[str]) -> int:
     """Return how many rows of an unfinished table ``path`` are kept in its shards; 0 if there are none."""
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    return sum(pq.read_metadata(shard).num_rows for shard in _shard_folder(path).glob(_SHARDS))
+    rows = 0
+    for shard in _shard_folder(path).glob(_SHARDS):
+        with contextlib.suppress(pa.ArrowException, OSError):  # a damaged one is named by the next start
+            rows += pq.read_metadata(shard).num_rows
+    return rows
 
 
 def _shard_folder(path: str | os.PathLike[str]) -> Path:

@@ -62,7 +62,9 @@ def test_shards_of_another_table_are_refused(tmp_path):
     babble_to_file("khepera", 50, 9, folder / "000000.parquet", shard_rows=50)
     with pytest.raises(DataError, match="is a shard of another table; remove it"):
         babble_to_file(**WHAT, path=path)
+    assert kept_rows(path) == 50
     (folder / "000000.parquet").write_bytes(b"nonsense")
+    assert kept_rows(path) == 0  # asked when a babbling is stopped: no time for a traceback
     with pytest.raises(DataError, match="cannot be read as a shard of the table"):
         babble_to_file(**WHAT, path=path)
     assert not path.exists()
