@@ -104,17 +104,18 @@ def positions(values: pd.Series, names: Sequence[str]) -> np.ndarray:
 
     Names are compared once for each category or distinct value, or inside Arrow: never row by row in Python.
     """
-    index = pd.Index(np.array(names, dtype=object))
-    if isinstance(values.dtype, pd.CategoricalDtype):
-        if index.equals(values.cat.categories.astype(object)):
-            return values.cat.codes.to_numpy()
-        return np.append(index.get_indexer(values.cat.categories), -1)[values.cat.codes.to_numpy()]
     if getattr(values.dtype, "storage", None) == "pyarrow":
         import pyarrow as pa
         import pyarrow.compute as pc
 
         texts = pa.array(values.array)
-        return pc.index_in(texts, value_set=pa.array(names, type=texts.type)).fill_null(-1).to_numpy()
+        found = pc.index_in(texts, value_set=pa.array(names, type=texts.type))
+        return (found.fill_null(-1) if found.null_count else found).to_numpy()
+    index = pd.Index(np.array(names, dtype=object))
+    if isinstance(values.dtype, pd.CategoricalDtype):
+        if index.equals(values.cat.categories.astype(object)):
+            return values.cat.codes.to_numpy()
+        return np.append(index.get_indexer(values.cat.categories), -1)[values.cat.codes.to_numpy()]
     codes, distinct = pd.factorize(values)
     return np.append(index.get_indexer(distinct), -1)[codes]
 

@@ -193,8 +193,8 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     """Seconds from a million rows to pgmpy's network with its tables, in turns; one row for each peer.
 
     Both sides start from the same table and end in the same CPDs. Metres and radians have to be labelled
-    for pgmpy, by ``pandas.cut`` or, most generously to it, by this project's own binning. Rows already labelled
-    are a pandas Categorical, which pgmpy reads fastest, or text.
+    for pgmpy, by ``pandas.cut`` or, most generously to it, by this project's own binning; gaits are text, as
+    babbling gives them, or a Categorical. Rows already labelled are a Categorical, which pgmpy reads fastest, or text.
     """
     from pgmpy.models import DiscreteBayesianNetwork
     from pgmpy.parameter_estimator import DiscreteMLE
@@ -202,6 +202,8 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     rows = million_rows(frame, np.random.default_rng(seed))
     fitted = ForwardModel.fit(rows, model.gaits)
     states = network.state_names(fitted.gaits, fitted.axes)
+
+    kept = rows.astype({"gait": "category"})
 
     def bin_rows() -> pd.DataFrame:
         columns = dataset.discretise(rows, fitted.gaits, fitted.axes).T
@@ -212,13 +214,14 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
         net = DiscreteBayesianNetwork([("Gait", effect) for effect in EFFECTS])
         return net.fit(labels, estimator=DiscreteMLE(state_names=states))
 
-    def ours() -> Any:
-        return ForwardModel.fit(rows, model.gaits).network
+    def ours(table: pd.DataFrame = rows) -> Any:
+        return ForwardModel.fit(table, model.gaits).network
 
     categories = bin_rows()
     text = categories.astype("str")
     ways = {
         "metres; pandas.cut, pgmpy": (ours, lambda: learn(cut(rows, states, fitted.axes))),
+        "... gaits a Categorical": (lambda: ours(kept), lambda: learn(cut(kept, states, fitted.axes))),
         "metres; our bins, pgmpy": (ours, lambda: learn(bin_rows())),
         "labels (Categorical)": (lambda: fit_labels(categories, states), lambda: learn(categories)),
         "labels (text)": (lambda: fit_labels(text, states), lambda: learn(text)),

@@ -84,22 +84,22 @@ def _pose_sums(poses: list[list[np.ndarray]], codes: np.ndarray, gaits: int, tot
 
 # Single precision is good to 1e-7 (0.02 micrometres on a gait's 0.2 m) and eight times faster.
 def _cos(radians: np.ndarray) -> np.ndarray:
-    return np.cos(radians.astype(np.float32)).astype(np.float64)
+    return np.cos(radians.astype(np.float32))
 
 
 def _sin(radians: np.ndarray) -> np.ndarray:
-    return np.sin(radians.astype(np.float32)).astype(np.float64)
+    return np.sin(radians.astype(np.float32))
 
 
 def _exact_sums(values: np.ndarray, codes: np.ndarray, gaits: int, total: int) -> np.ndarray:
-    """Return int64 [G]: the sum of ``values`` [N] in multiples of 1e-9, by gait.
+    """Return int64 [G]: the sum of ``values`` [N], of either precision, in multiples of 1e-9, by gait.
 
     Raises DataError if ``total`` such rows could overflow.
     """
-    farthest = max(values.max(), -values.min()) * SCALE
+    farthest = max(float(values.max()), -float(values.min())) * SCALE
     if farthest * total >= 2.0**62:
         raise DataError(f"a pose lies {farthest / SCALE:g} m away: too far for exact sums")
-    fixed = values * SCALE
+    fixed = np.multiply(values, SCALE, dtype=np.float64)
     np.rint(fixed, out=fixed)
     # Sums of whole numbers are exact in float64 while they stay below 2^53: add up that many rows at a time.
     chunk = max(1, int(2.0**53 / (farthest + 1.0)))
