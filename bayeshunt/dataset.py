@@ -113,9 +113,10 @@ def positions(values: pd.Series, names: Sequence[str]) -> np.ndarray:
         return (found.fill_null(-1) if found.null_count else found).to_numpy()
     index = pd.Index(np.array(names, dtype=object))
     if isinstance(values.dtype, pd.CategoricalDtype):
-        if index.equals(values.cat.categories.astype(object)):
-            return values.cat.codes.to_numpy()
-        return np.append(index.get_indexer(values.cat.categories), -1)[values.cat.codes.to_numpy()]
+        stored = pd.Categorical(values)
+        if list(stored.categories) == list(names):
+            return stored.codes
+        return np.append(index.get_indexer(stored.categories), -1)[stored.codes]
     codes, distinct = pd.factorize(values)
     return np.append(index.get_indexer(distinct), -1)[codes]
 

@@ -193,8 +193,8 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     """Seconds from a million rows to pgmpy's network with its tables, in turns; one row for each peer.
 
     Both sides start from the same table and end in the same CPDs. Metres and radians have to be labelled
-    for pgmpy, by ``pandas.cut`` or, most generously to it, by this project's own binning; gaits are text, as
-    babbling gives them, or a Categorical. Rows already labelled are a Categorical, which pgmpy reads fastest, or text.
+    for pgmpy, as text, by ``pandas.cut`` or, most generously, as the Categorical that this project's own binning
+    gives; gaits are text, as babbling gives them, or a Categorical. Rows already labelled are a Categorical, which pgmpy reads fastest, or text.
     """
     from pgmpy.models import DiscreteBayesianNetwork
     from pgmpy.parameter_estimator import DiscreteMLE
@@ -217,9 +217,15 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     def ours(table: pd.DataFrame = rows) -> Any:
         return ForwardModel.fit(table, model.gaits).network
 
+    def label_rows() -> pd.DataFrame:
+        columns = dataset.discretise(rows, fitted.gaits, fitted.axes).T
+        named = zip(network.VARIABLES, columns, strict=True)
+        return pd.DataFrame({v: np.array(states[v], dtype=object)[column] for v, column in named}, dtype="str")
+
     categories = bin_rows()
     text = categories.astype("str")
     ways = {
+        "metres; text labels, pgmpy": (ours, lambda: learn(label_rows())),
         "metres; pandas.cut, pgmpy": (ours, lambda: learn(cut(rows, states, fitted.axes))),
         "... gaits a Categorical": (lambda: ours(kept), lambda: learn(cut(kept, states, fitted.axes))),
         "metres; our bins, pgmpy": (ours, lambda: learn(bin_rows())),
