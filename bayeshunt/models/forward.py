@@ -94,8 +94,9 @@ class ForwardModel(OpenTables):
             edges of "tan" and "learned" are found in the rows; later updates keep them. For
             "previous_gait" see ``models.previous``: the table must say which gait went before.
 
-        Raises DataError if the table is wrong or, with prior 0, if a gait has no rows; InputError
-        for a bad prior or structure; ZeroCountError if the structure needs a prior.
+        Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
+        gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
+        needs a prior.
         """
         kind = _kind(structure)
         model = kind.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)

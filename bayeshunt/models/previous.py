@@ -25,7 +25,7 @@ import pandas as pd
 
 from bayeshunt import tables
 from bayeshunt.axes import EffectAxes
-from bayeshunt.errors import InputError, ZeroCountError
+from bayeshunt.errors import DataError, InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
 from bayeshunt.models.cells import CountedCells
@@ -167,9 +167,9 @@ class PreviousGaitModel(ForwardModel):
         unseen = np.argwhere(self.by_previous.pairs == 0)
         if self.prior == 0 and len(unseen):
             before, gait = (self.gaits.names[i] for i in unseen[0])
-            raise ZeroCountError(
-                f"gait {gait!r} was never babbled right after {before!r} ({len(unseen)} of {len(self.gaits) ** 2} "
-                "pairs are missing), so what it does then is unknown; babble more, or fit with a prior > 0"
+            raise DataError(
+                f"structure 'previous_gait': gait {gait!r} was never babbled right after {before!r} ({len(unseen)} of "
+                f"{len(self.gaits) ** 2} pairs are missing); babble more, or fit with a prior > 0"
             )
 
     def _check_structure(self) -> None:
