@@ -20,7 +20,7 @@ from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.nearest import FARTHEST, RINGS, SECTORS, CellFinder
 from bayeshunt.models.posterior import Cell, CellPosterior, Posterior
-from bayeshunt.models.structures import PREVIOUS
+from bayeshunt.models.structures import PREVIOUS, depends_on_previous
 
 _PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
 _floor = math.floor
@@ -55,15 +55,18 @@ class InverseModel:
             (source.cell.distance_bin, source.cell.angle_bin, None): source for source in self._sources
         }
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
+        self._depends = depends_on_previous(model.structure) or PREVIOUS in model.known
         self._after: dict[str, InverseModel] = {}
 
     def after(self, previous_gait: Gait | str | None) -> InverseModel:
         """Return P(Gait | Distance, Angle [, Heading], PreviousGait): the inverse of ``model.after(previous_gait)``.
 
-        None: nothing is known of the gait before. The same inverse unless the structure is
-        "previous_gait". Learned coordinates are those reached right after that gait. Remembered.
+        None: nothing is known of the gait before. The same inverse, whatever is given, unless the
+        structure is "previous_gait". Learned coordinates are those reached right after that gait. Remembered.
         Raises InputError for a gait that is not in the repertoire.
         """
+        if not self._depends:  # every decision of a reactive hunter passes here
+            return self
         part = self.model.after(previous_gait)
         if part is self.model:
             return self

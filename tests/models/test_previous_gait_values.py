@@ -214,4 +214,6 @@ def test_nothing_changes_where_the_gait_before_does_not_matter() -> None:
     assert naive.after("b") is naive
     assert inverse.after("b") is inverse
     with pytest.raises(bh.InputError, match="unknown gait"):
-        inverse.after("d")
+        naive.after("d")
+    with pytest.raises(bh.InputError, match="unknown gait"):
+        bh.InverseModel(fit(FRAME)).after("d")
