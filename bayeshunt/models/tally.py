@@ -1,14 +1,13 @@
 """Rows of a babbling table into whole numbers: counted cells, and summed poses in fixed point.
 
 Letters: N rows, G gaits, K counted cells, P part-way poses of a gait.
-A large table is worked through in parts that fit into the processor's cache, several at a time:
-whole numbers add up to the same bits whatever the parts and the order.
+A large table is worked through in parts that fit into the processor's cache: whole numbers add up to
+the same bits whatever the parts.
 """
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -24,8 +23,6 @@ from bayeshunt.models.cells import count_numbers, number_cells
 SCALE = 1e9
 #: Rows of a part: their intermediate arrays, half a megabyte each, stay in the cache.
 _PART_ROWS = 1 << 16
-#: Threads at most: numpy and Arrow work side by side, the Python between them does not.
-_MAX_THREADS = 4
 
 
 def tally_rows(
@@ -39,24 +36,30 @@ def tally_rows(
     effects = [frame[axis.name.lower()].to_numpy(dtype=float) for axis in axes]
     poses = _poses(frame)
     numbers, shape = np.empty(len(frame), dtype=np.int64), (len(gaits), *axes.shape)
-
-    def work(start: int) -> np.ndarray:
-        part = slice(start, start + _PART_ROWS)
-        codes = dataset.gait_codes(frame["gait"].iloc[part], gaits, first_row=start)
+    sums = np.zeros((len(gaits), len(poses), 4), dtype=np.int64)
+    for part, codes in _parts(frame["gait"], gaits):
         bins = [axis.index(values[part]) for axis, values in zip(axes, effects, strict=True)]
         numbers[part] = number_cells([codes, *bins], shape)
-        return _pose_sums([[values[part] for values in pose] for pose in poses], codes, len(gaits), len(frame))
-
-    sums = _add_parts(work, range(0, len(frame), _PART_ROWS))
+        sums += _pose_sums([[values[part] for values in pose] for pose in poses], codes, len(gaits), len(frame))
     return *count_numbers(numbers, shape), sums
 
 
-def _add_parts(work: Callable[[int], np.ndarray], starts: Sequence[int]) -> np.ndarray:
-    """Return the sum of ``work(start)`` over the parts; the first part's error is raised, as without threads."""
-    if len(starts) == 1:
-        return work(starts[0])
-    with ThreadPoolExecutor(min(len(starts), os.cpu_count() or 1, _MAX_THREADS)) as pool:
-        return np.sum(list(pool.map(work, starts)), axis=0)
+def _parts(names: pd.Series, gaits: GaitRepertoire) -> Iterator[tuple[slice, np.ndarray]]:
+    """Yield the rows of each part and the codes of their gaits.
+
+    A thread looks up the names of the parts to come: Arrow does so beside numpy, whose own short steps
+    would only wait for each other on several threads.
+    """
+    parts = [slice(start, start + _PART_ROWS) for start in range(0, len(names), _PART_ROWS)]
+
+    def codes(part: slice) -> np.ndarray:
+        return dataset.gait_codes(names.iloc[part], gaits, first_row=part.start)
+
+    if len(parts) == 1:
+        yield parts[0], codes(parts[0])
+        return
+    with ThreadPoolExecutor(1) as pool:
+        yield from zip(parts, pool.map(codes, parts), strict=True)
 
 
 def _poses(frame: pd.DataFrame) -> list[list[np.ndarray]]:
