@@ -193,8 +193,9 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     """Seconds from a million rows to pgmpy's network with its tables, in turns; one row for each peer.
 
     Both sides start from the same table and end in the same CPDs. Metres and radians have to be labelled
-    for pgmpy, as text, by ``pandas.cut`` or, most generously, as the Categorical that this project's own binning
-    gives; gaits are text, as babbling gives them, or a Categorical. Rows already labelled are a Categorical, which pgmpy reads fastest, or text.
+    for pgmpy: as text, by ``pandas.cut`` or, most generously, as the Categorical that this project's own
+    binning gives. Gaits are text, as babbling gives them, or a Categorical. Rows already labelled are a
+    Categorical, which pgmpy reads fastest, or text.
     """
     from pgmpy.models import DiscreteBayesianNetwork
     from pgmpy.parameter_estimator import DiscreteMLE
