@@ -19,13 +19,28 @@ def test_explore_to_evaluation(bayeshunt):
     assert facts["not_ab_initio"] == ["intercept_walls"]
 
 
+def test_an_evaluation_explores_by_itself(bayeshunt):
+    """Without a file the hunter babbles in each arena first: ab initio, and the same as with that room in a file."""
+    line = ["evaluate", "--planner", "intercept_walls", "--runs", "2", "--seed", "3", "--jobs", "1", *SMALL, "--json"]
+    facts = json.loads(bayeshunt(*line)[0])
+    assert facts["not_ab_initio"] == []
+    bayeshunt("explore", "--out", "room.json", "--seed", "3", *SMALL)
+    given = json.loads(bayeshunt(*line, "--set", "planner.intercept_walls.room=room.json", "--arena", "walled")[0])
+    alone = [row for row in facts["rows"] if row["arena"] == "walled"]
+    assert [row["mean_time_s"] for row in alone] == [row["mean_time_s"] for row in given["rows"]]
+
+
+def test_a_hunt_explores_by_itself(bayeshunt):
+    out, _ = bayeshunt("hunt", "--planner", "intercept_walls", "--arena", "walled", *SMALL, "--json")
+    assert json.loads(out)["caught"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["explore", "--out", "r.json", "--arena", "moon"], "unknown arena 'moon'"),
         (["explore", "--out", "r.json", "--steps", "0"], "steps: expected a whole number"),
         (["explore", "--out", "no/r.json"], "does not exist"),
-        (["evaluate", "--planner", "intercept_walls", "--runs", "1"], "bayeshunt explore"),
     ],
 )
 def test_wrong_input_is_one_line(bayeshunt, tmp_path, arguments, message):

@@ -36,7 +36,7 @@ def hunt(
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
-    babbling_seed: Annotated[int, typer.Option(help="Seed of the babbling where no model is given.")] = 0,
+    babbling_seed: Annotated[int, typer.Option(help="Seed of any babbling that comes first.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the episode as Parquet.")] = None,
     replay: Annotated[Path | None, typer.Option(help="Write a page (HTML) that plays the hunt.")] = None,
     as_json: Json = False,
@@ -45,8 +45,8 @@ def hunt(
 
     Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html
     """
+    from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
     from bayeshunt.hunting import hunt as run
-    from bayeshunt.planners.registry import make_planner
 
     for path in (out, replay):
         if path is not None:
@@ -54,7 +54,8 @@ def hunt(
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed)
-    mind = make_planner(planner, forward, **settings.planner.get(planner, {}))
+    rooms = learn_rooms(settings, [planner], [arena], babbling_seed, forward)
+    mind = prepare_planner(planner, forward, settings, rooms, arena)
     episode = run(settings, mind, arena=arena, theta=theta, seed=seed)
     if out is not None:
         episode.save(out)

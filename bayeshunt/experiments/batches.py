@@ -14,18 +14,21 @@ import numpy as np
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.experiments import workers
 from bayeshunt.experiments.database import Numbered, Sink
+from bayeshunt.experiments.explorations import prepare_planner
 from bayeshunt.experiments.identity import versions
 from bayeshunt.experiments.plugins import Additions
+from bayeshunt.experiments.protocol import HuntTask
 from bayeshunt.hunting import Result, run_hunt
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.rooms import RoomModel
 from bayeshunt.planners.base import Planner
-from bayeshunt.planners.registry import make_planner
+from bayeshunt.planners.registry import explores
 
 _BATCH = 20  # hunts handed to a worker at a time
 
 
 def batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
-    """Cut the hunts into batches that share a planner."""
+    """Cut the hunts into batches that share a planner and an arena."""
     for _, group in groupby(hunts, key=lambda hunt: (hunt.task.planner, hunt.task.arena)):
         some = list(group)
         yield from (some[i : i + _BATCH] for i in range(0, len(some), _BATCH))
@@ -45,17 +48,18 @@ class Ticket(NamedTuple):
 
 
 def run_batch(
-    settings: ExperimentSettings, model: ForwardModel, sink: Sink | None, expected: dict[str, str], ticket: Ticket,
-    hunts: Sequence[Numbered],
+    settings: ExperimentSettings, model: ForwardModel, rooms: dict[str, RoomModel], sink: Sink | None,
+    expected: dict[str, str], ticket: Ticket, hunts: Sequence[Numbered],
 ) -> list[tuple[Numbered, Result]]:  # fmt: skip
-    """Run hunts of one planner one after the other, each committed to ``sink`` as it ends.
+    """Run hunts of one planner in one arena one after the other, each committed to ``sink`` as it ends.
 
+    rooms: of the arenas, for planners that explore.
     expected: versions of the libraries that this worker must have. ticket: of the evaluation.
     """
     workers.guard_worker(ticket.process)
     workers.check_worker_versions(expected, versions())
     ticket.additions.adopt()
-    planner = _mind(ticket, hunts[0].task.planner, model, settings)
+    planner = _mind(ticket, hunts[0].task, model, settings, rooms)
     pairs = []
     with sink.opened() if sink is not None else contextlib.nullcontext() as writer:
         for hunt in hunts:
@@ -67,16 +71,19 @@ def run_batch(
     return pairs
 
 
-_minds: dict[tuple[str, str], Planner] = {}
+_minds: dict[tuple[str, str, str], Planner] = {}
 
 
-def _mind(ticket: Ticket, name: str, model: ForwardModel, settings: ExperimentSettings) -> Planner:
+def _mind(
+    ticket: Ticket, task: HuntTask, model: ForwardModel, settings: ExperimentSettings, rooms: dict[str, RoomModel]
+) -> Planner:
     """Return the planner of an evaluation, made once per process: making one costs as much as some hunts."""
-    key = (ticket.name, name)
+    arena = task.arena if explores(task.planner) else ""
+    key = (ticket.name, task.planner, arena)
     if key not in _minds:
         for other in [known for known in _minds if known[0] != ticket.name]:
             del _minds[other]
-        _minds[key] = make_planner(name, model, **settings.planner.get(name, {}))
+        _minds[key] = prepare_planner(task.planner, model, settings, rooms, task.arena)
     return _minds[key]
 
 

@@ -1,14 +1,17 @@
-"""Learning a room: the robot babbles alone in an arena before any hunt."""
+"""Before the hunts: the robot babbles alone in an arena, and planners are made with what it learned there."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Mapping
 
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.rooms import RoomModel
+from bayeshunt.planners.base import Planner
+from bayeshunt.planners.registry import explores, make_planner
 from bayeshunt.settings import load_experiment
 from bayeshunt.world.exploring import explore
 
@@ -31,3 +34,28 @@ def learn_room(
         raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
     track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics)
     return RoomModel.fit(track, learn_model(settings, seed) if model is None else model)
+
+
+def learn_rooms(
+    settings: ExperimentSettings, planners: Iterable[str], arenas: Iterable[str], seed: int, model: ForwardModel
+) -> dict[str, RoomModel]:
+    """Return the room of each arena, learned there; none if no planner explores.
+
+    seed: of the babbling; the room of an arena is the same whatever else is evaluated.
+    """
+    if not any(explores(name, settings.planner.get(name, {})) for name in planners):
+        return {}
+    return {arena: learn_room(settings, arena=arena, seed=seed, model=model) for arena in arenas}
+
+
+def prepare_planner(
+    name: str, model: ForwardModel, settings: ExperimentSettings, rooms: Mapping[str, RoomModel], arena: str
+) -> Planner:
+    """Return a planner with the experiment's settings, ready to hunt in ``arena``.
+
+    rooms: of :func:`learn_rooms`. Raises InputError for an unknown name or a wrong setting.
+    """
+    given = dict(settings.planner.get(name, {}))
+    if explores(name, given) and arena in rooms:
+        given["room"] = rooms[arena]
+    return make_planner(name, model, **given)

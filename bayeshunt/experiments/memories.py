@@ -11,12 +11,12 @@ import numpy as np
 from bayeshunt.axes import EffectAxes
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
+from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import check_arenas, learn_model
 from bayeshunt.geometry import Polar, Pose
 from bayeshunt.hunting import hunt
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.memory import PreyMemory
-from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
 _TRAINING = 1  # a fourth number in the seed sequence, which the hunts of an evaluation do not have
@@ -56,8 +56,9 @@ def remember(
     origin = {"experiment": settings.name, "arenas": chosen, "planner": planner, "runs": int(runs), "seed": int(seed)}
     memory = PreyMemory.empty(chosen, axes, PLACE_SIZE * body, origin)
     model = learn_model(settings, seed) if model is None else model
-    mind = make_planner(planner, model, **settings.planner.get(planner, {}))
+    rooms = learn_rooms(settings, [planner], chosen, seed, model)
     for arena in chosen:
+        mind = prepare_planner(planner, model, settings, rooms, arena)
         for index, theta in enumerate(settings.protocol.thetas):
             for run in range(runs):
                 _learn(memory, settings, mind, arena, theta, training_seed(seed, index, run))

@@ -19,6 +19,7 @@ from bayeshunt.errors import InputError, ResultsError
 from bayeshunt.experiments import workers
 from bayeshunt.experiments.batches import Ticket, batches, run_batch
 from bayeshunt.experiments.database import HuntDatabase, Numbered
+from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.experiments.identity import Identity, fingerprint, versions
 from bayeshunt.experiments.lock import FolderLock
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
@@ -26,7 +27,7 @@ from bayeshunt.experiments.store import check_output_folder, check_same_export, 
 from bayeshunt.hunting import Result
 from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.registry import make_planner
+from bayeshunt.models.rooms import RoomModel
 from bayeshunt.settings import load_experiment
 
 #: Called with the number of hunts that have just ended (or had ended before).
@@ -92,7 +93,8 @@ def evaluate(
         elif model is None:
             model = learn_model(settings, seed)
             check_minds(planners, model, settings)
-        evaluation = _Evaluation(settings, model, tasks, database, progress or _ignore, say or _ignore)
+        rooms = learn_rooms(settings, planners, arenas, seed, model)
+        evaluation = _Evaluation(settings, model, rooms, tasks, database, progress or _ignore, say or _ignore)
         ended = evaluation.run(jobs, scheduler)
         frame = results_frame(tasks, ended, settings, seed)
         if database is not None:
@@ -124,10 +126,10 @@ class _Evaluation:
     """Hunts to run, hunts that have ended."""
 
     def __init__(
-        self, settings: ExperimentSettings, model: ForwardModel, tasks: Sequence[HuntTask],
-        database: HuntDatabase | None, progress: Progress, say: Say,
+        self, settings: ExperimentSettings, model: ForwardModel, rooms: dict[str, RoomModel],
+        tasks: Sequence[HuntTask], database: HuntDatabase | None, progress: Progress, say: Say,
     ) -> None:  # fmt: skip
-        self.settings, self.model = settings, model
+        self.settings, self.model, self.rooms = settings, model, rooms
         self.hunts = [Numbered(number, task) for number, task in enumerate(tasks)]
         self.database, self.progress, self.say = database, progress, say
         self.ended: dict[int, Result] = {}
@@ -138,7 +140,7 @@ class _Evaluation:
             self.database.begin_session()
         # A worker on this machine commits each hunt itself; one elsewhere sends it back.
         sink = self.database.sink if self.database is not None and scheduler is None else None
-        call = partial(run_batch, self.settings, self.model, sink, versions(), Ticket.new())
+        call = partial(run_batch, self.settings, self.model, self.rooms, sink, versions(), Ticket.new())
 
         def run(hunts: Sequence[Numbered]) -> Iterator[list[tuple[Numbered, Result]]]:
             yield from workers.parallel(call, batches(hunts), jobs=jobs, scheduler=scheduler)
@@ -191,8 +193,9 @@ def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
 def check_minds(planners: str | Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:
     """Raise InputError for a wrong model, planner or setting of one: before any work, and not in a worker."""
     check_model(model, settings)
+    stand_in = {"": RoomModel.empty()}  # the rooms themselves are learned when all else is known to be right
     for name in _names(planners, ()):
-        make_planner(name, model, **settings.planner.get(name, {}))
+        prepare_planner(name, model, settings, stand_in, "")
 
 
 def results_frame(

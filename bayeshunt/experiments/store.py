@@ -36,7 +36,9 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
         "note": settings.note,
         "seed": int(seed),
         "version": version("bayeshunt"),
-        "not_ab_initio": sorted(name for name in set(results["planner"]) if not is_ab_initio(name)),
+        "not_ab_initio": sorted(
+            name for name in set(results["planner"]) if not is_ab_initio(name, settings.planner.get(name, {}))
+        ),
     }
 
 

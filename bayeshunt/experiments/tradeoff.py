@@ -12,13 +12,13 @@ import pandas as pd
 
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
+from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import hunt_seed, learn_model
 from bayeshunt.experiments.runner import Progress, evaluate
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.hunting import run_hunt
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.frugal import CostWeights
-from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
 #: The planner that weighs its costs; the others are shown beside it.
@@ -79,7 +79,8 @@ def tradeoff(
 
 def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: str, arena: str, seed: int) -> float:
     """Return the median time of one decision [s], over one hunt per bearing, on this machine."""
-    timed = _Timed(make_planner(planner, model, **settings.planner.get(planner, {})))
+    rooms = learn_rooms(settings, [planner], [arena], seed, model)
+    timed = _Timed(prepare_planner(planner, model, settings, rooms, arena))
     for index, theta in enumerate(settings.protocol.thetas):
         run_hunt(settings, timed, arena, theta, hunt_seed(seed, index, 0))  # type: ignore[arg-type]
     return float(np.median(timed.times)) if timed.times else 0.0

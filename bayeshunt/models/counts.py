@@ -8,6 +8,7 @@ any order, any split and any merging of the same rows gives the same bits.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -129,6 +130,18 @@ class JointCounts:
         forward, right, cosine, sine = self.sums[gait].T
         headings = np.arctan2(sine, cosine)
         return np.column_stack([forward / (SCALE * rows), right / (SCALE * rows), wrap(headings)])
+
+    def heading_spread(self, gait: int) -> float:
+        """Return the circular standard deviation of one gait's final heading, ``sqrt(-2 ln R)`` [rad].
+
+        From the exact sums, R being the length of the mean of (cosine, sine). Raises ZeroCountError
+        if the gait has no rows.
+        """
+        rows = int(self.marginal("Gait")[gait])
+        if not rows:
+            raise ZeroCountError(f"gait {self.gaits.names[gait]!r} has no rows, so no heading; babble it")
+        resultant = math.hypot(*self.sums[gait, -1, 2:].tolist()) / (SCALE * rows)
+        return math.sqrt(-2.0 * math.log(min(max(resultant, 1e-12), 1.0)))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointCounts):

@@ -49,6 +49,11 @@ class RoomModel:
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
+    def empty(cls) -> RoomModel:
+        """Return a room in which no wall has been met."""
+        return cls(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
+
+    @classmethod
     def fit(cls, track: pd.DataFrame, model: ForwardModel) -> RoomModel:
         """Learn the walls from poses while babbling in the arena.
 

@@ -27,11 +27,13 @@ class OwnMotion(NamedTuple):
     top_speed: metres per time-step of the fastest straight gait (of the fastest gait if none is straight).
     turns: heading changes per time-step [L, radians clockwise] of the gaits that turn, in table order.
     softest_turn: radians, the least absolute turn among the gaits that reach half the top speed; pi if none does.
+    drift: radians, the spread (circular standard deviation) of the heading after one step of the gait of ``top_speed``.
     """
 
     top_speed: float
     turns: np.ndarray
     softest_turn: float
+    drift: float
 
     @classmethod
     def of(cls, model: ForwardModel, threshold: float) -> OwnMotion:
@@ -40,9 +42,20 @@ class OwnMotion(NamedTuple):
         reach = np.array([float(outcome.distance) for outcome in outcomes])
         turn = np.array([float(outcome.heading) for outcome in outcomes])
         turning = np.abs(turn) >= threshold
-        top = float(reach[~turning].max() if not turning.all() else reach.max())
+        fastest = int(np.where(turning, -1.0, reach).argmax() if not turning.all() else reach.argmax())
+        top = float(reach[fastest])
         fast = np.abs(turn[turning & (reach >= 0.5 * top)])
-        return cls(top, turn[turning], float(fast.min()) if fast.size else math.pi)
+        softest = float(fast.min()) if fast.size else math.pi
+        return cls(top, turn[turning], softest, _heading_spread(model, fastest))
+
+
+def _heading_spread(model: ForwardModel, gait: int) -> float:
+    """Return the circular standard deviation [rad] of the heading after one step of a gait: of the rows, or of bins."""
+    if model.has_counts:
+        return model.joint.heading_spread(gait)
+    chances, centres = model.probabilities("Heading")[:, gait], model.axes.heading.centres
+    resultant = math.hypot(chances @ np.cos(centres), chances @ np.sin(centres))
+    return math.sqrt(-2.0 * math.log(min(max(resultant, 1e-12), 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +68,9 @@ class TurnModel:
     prior_steps: how many observed time-steps that belief is worth, > 0.
     turn_weight: how many observed turns all of ``prior_turns`` together are worth, > 0.
     threshold: a transition whose heading changes by this [rad] or more is a turn, > 0.
+    prior_drift: radians by which its heading wanders per time-step when it does not turn (standard
+        deviation), believed beforehand, >= 0; worth ``prior_steps`` observed time-steps as well.
+    drifts: heading changes [rad] of the transitions that did not turn.
     speeds: metres per time-step of the transitions seen that did not turn. turns: heading changes of those that did.
     """
 
@@ -64,8 +80,10 @@ class TurnModel:
     prior_steps: float = 4.0
     turn_weight: float = 0.5
     threshold: float = 0.4
+    prior_drift: float = 0.1
     speeds: tuple[float, ...] = ()
     turns: tuple[float, ...] = ()
+    drifts: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("prior_speed", "prior_steps", "turn_weight", "threshold"):
@@ -73,6 +91,8 @@ class TurnModel:
                 raise InputError(f"turn model: {name} must be a positive number, got {getattr(self, name)!r}")
         if not 0.0 <= self.prior_hazard <= 1.0:
             raise InputError(f"turn model: prior_hazard must be a probability, got {self.prior_hazard!r}")
+        if not 0.0 <= self.prior_drift < math.inf:
+            raise InputError(f"turn model: prior_drift must be a number >= 0, got {self.prior_drift!r}")
         turns = np.array(self.prior_turns, dtype=float)
         if not np.isfinite(turns).all():
             raise InputError(f"turn model: prior_turns must be finite, got {turns.tolist()}")
@@ -82,9 +102,14 @@ class TurnModel:
     def learn(self, transitions: Iterable[Polar]) -> TurnModel:
         """Return a model that has also seen ``transitions`` (poses in the prey's own earlier frame)."""
         seen = [(float(distance), float(heading)) for distance, _, heading in transitions]
-        speeds = tuple(distance for distance, heading in seen if abs(heading) < self.threshold)
+        straight = [pair for pair in seen if abs(pair[1]) < self.threshold]
         turns = tuple(heading for _, heading in seen if abs(heading) >= self.threshold)
-        return replace(self, speeds=self.speeds + speeds, turns=self.turns + turns)
+        return replace(
+            self,
+            speeds=self.speeds + tuple(distance for distance, _ in straight),
+            turns=self.turns + turns,
+            drifts=self.drifts + tuple(heading for _, heading in straight),
+        )
 
     @property
     def speed(self) -> float:
@@ -99,6 +124,15 @@ class TurnModel:
         """
         turned = len(self.turns)
         return (turned + self.prior_hazard * self.prior_steps) / (turned + len(self.speeds) + self.prior_steps)
+
+    @property
+    def drift(self) -> float:
+        """Radians by which the heading wanders per time-step without a turn (standard deviation about 0).
+
+        ``drift^2 = (prior_steps prior_drift^2 + sum of squared changes seen) / (prior_steps + changes seen)``
+        """
+        squares = math.fsum(change * change for change in self.drifts)
+        return math.sqrt((self.prior_steps * self.prior_drift**2 + squares) / (self.prior_steps + len(self.drifts)))
 
     @cached_property
     def turn_table(self) -> tuple[np.ndarray, np.ndarray]:

@@ -16,8 +16,6 @@ from bayeshunt.planners.futures import Futures
 
 #: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
 LEGS = 9
-#: Head-on a prey may turn to either side; this is the angle off head-on [rad] at which the odds are e : 1.
-_HEAD_ON = 0.15
 #: A side that is less probable than this is left out.
 _NEGLIGIBLE = 0.02
 
@@ -56,12 +54,13 @@ class Walls(NamedTuple):
 
 
 def room_futures(
-    prey: Polar, pose: Pose, walls: Walls, speed: float, time_step: float, *, legs: int = LEGS
+    prey: Polar, pose: Pose, walls: Walls, speed: float, drift: float, time_step: float, *, legs: int = LEGS
 ) -> Futures | None:
     """Return the prey's paths among ``walls``; None if there is no wall ahead of it.
 
-    The prey goes straight at ``speed`` [m/s] and leaves a wall on the side that it came in on. At
-    the first wall it may take the other side: ``P = 1 / (1 + exp(|slant| / 0.15))``, a second path.
+    The prey goes straight at ``speed`` [m/s] and leaves a wall on the side that it comes in on. On
+    its way to the first wall its heading wanders, a random walk of ``drift`` [rad] per time-step,
+    so it may take the other side, a second path: ``P(left) = Phi(slant / (drift sqrt(steps to the wall)))``.
     pose: the hunter's, in its starting frame. legs: straight runs of each path, the last for ever.
     """
     at = Pose(*(float(part) for part in pose.compose(prey)))
@@ -71,7 +70,9 @@ def room_futures(
     slant = walls.slant(wall, at.theta)
     side = 1.0 if slant >= 0 else -1.0
     paths = [_path(at, walls, speed, side, legs)]
-    other = 1.0 / (1.0 + math.exp(min(abs(slant) / _HEAD_ON, 700.0)))
+    steps = gap / (speed * time_step) if speed > 0 else 0.0
+    wander = max(drift * math.sqrt(2.0 * steps), 1e-9)  # sqrt(2): of the error function
+    other = 0.5 * math.erfc(abs(slant) / wander)
     weights = [1.0]
     if other >= _NEGLIGIBLE and speed > 0:
         paths.append(_path(at, walls, speed, -side, legs))
@@ -79,7 +80,7 @@ def room_futures(
     starts, x, y, theta = np.moveaxis(np.array(paths), -1, 0)  # [K, B] each
     dx, dy = x - pose.x, y - pose.y
     cos, sin = math.cos(pose.theta), math.sin(pose.theta)
-    apart = speed > 0 and gap / speed < time_step
+    apart = speed > 0 and steps < 1.0
     return Futures(
         weights=np.array(weights),
         starts=starts,
@@ -87,7 +88,7 @@ def room_futures(
         right=sin * dx - cos * dy,
         heading=pose.theta - theta,
         speed=np.full(len(weights), speed),
-        groups=np.arange(len(weights)) if apart else np.zeros(len(weights), dtype=int),
+        groups=np.arange(1, len(weights) + 1) if apart else np.zeros(len(weights), dtype=int),
         foreseen=True,
     )
 

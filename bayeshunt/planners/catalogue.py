@@ -15,8 +15,10 @@ import typing
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped
+from bayeshunt.planners.registry import Factory, explores, find_planner, is_ab_initio, is_shipped
 
+#: Default of a room that a planner learns by babbling in its arena.
+BABBLED = "babbled"
 _PAPER = "Oses, Hoffmann and Koene (HAIS 2010)"
 _TYPES = {int: "whole number", float: "number", bool: "true or false", str: "text", types.NoneType: "none"}
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -30,7 +32,8 @@ class Setting(NamedTuple):
     """One setting of a planner.
 
     kind: "number", "whole number", "true or false", "text", "file" or what else it takes. range: as its
-    docstring says it, "" if it says none. default: its value; "required" if there is none.
+    docstring says it, "" if it says none. default: its value; "required" if there is none; "babbled" for a
+    room that is learned in the arena before the hunts.
     """
 
     name: str
@@ -68,6 +71,8 @@ def describe_planner(name: str) -> PlannerFacts:
     texts = [text for place in (group, kind, factory) for text in _docstrings(place)]
     meanings = _meanings(texts, tuple(fields))
     settings = tuple(_setting(key, *fields[key], meanings.get(key, [""])) for key in fields)
+    if explores(name):
+        settings = tuple(s._replace(default=BABBLED) if s.name == "room" else s for s in settings)
     own = inspect.cleandoc(kind.__doc__ or "")
     return PlannerFacts(
         name=name,
@@ -76,7 +81,7 @@ def describe_planner(name: str) -> PlannerFacts:
         reference=_reference(own),
         ab_initio=is_ab_initio(name),
         shipped=is_shipped(name),
-        needs={s.name: _maker(s.meaning) for s in settings if s.kind == "file"},
+        needs={s.name: _maker(s.meaning) for s in settings if s.kind == "file" and s.default != BABBLED},
         needs_future=bool(getattr(kind, "needs_future", False)),
         settings=settings,
     )

@@ -22,7 +22,8 @@ class Futures:
     starts: seconds from now at which each leg begins, increasing, the first 0, inf where there is none [K, B].
     forward, right: metres, where each leg begins [K, B]. heading: radians clockwise, its direction [K, B].
     speed: metres per second [K].
-    groups: int [K], 0..M-1; futures of one group cannot be told apart at the next decision.
+    groups: int [K], 0..M-1; futures of one group cannot be told apart at the next decision. Group 0 is those in
+        which the prey has not turned by then.
     foreseen: whether the hunter can know of a leg before it begins (a wall that it knows of).
     """
 
@@ -99,7 +100,7 @@ def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
         np.concatenate([_padded(getattr(futures, name), legs, fill) for _, futures in parts])
         for name, fill in (("starts", np.inf), ("forward", 0.0), ("right", 0.0), ("heading", 0.0))
     )
-    quiet = np.concatenate([futures.groups == futures.groups[0] for _, futures in parts])
+    quiet = np.concatenate([futures.groups == 0 for _, futures in parts])
     groups = np.where(quiet, 0, np.cumsum(~quiet))
     speed = np.concatenate([futures.speed for _, futures in parts])
     return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups)

@@ -25,7 +25,8 @@ class InterceptSettings:
     spread: body lengths about ``catch_distance`` over which the chance of a capture falls from 1 to 0, > 0.
     heading_price: what turning towards the prey costs beyond the lookahead, in time-steps per softest
         full-speed turn, >= 0.
-    prior: before anything is seen, "it moves as fast as I do" (True), or the prey stands still (False).
+    prior: before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False).
+    prior_speed: that speed, as a share of the hunter's own top speed, > 0; a prey that can be caught is slower.
     hazard: chance per time-step that the prey turns, believed beforehand, in [0, 1]; 0: it never turns.
     hazard_steps: how many observed time-steps that belief is worth, > 0.
     turn_weight: how many observed turns the hunter's own turns are worth as a guess at the prey's, > 0.
@@ -34,9 +35,10 @@ class InterceptSettings:
     """
 
     catch_distance: float = 1.02
-    spread: float = 0.2
+    spread: float = 0.1
     heading_price: float = 1.0
     prior: bool = True
+    prior_speed: float = 0.9
     hazard: float = 0.1
     hazard_steps: float = 4.0
     turn_weight: float = 0.5
@@ -44,7 +46,7 @@ class InterceptSettings:
     turn_steps: int = 4
 
     def __post_init__(self) -> None:
-        for name in ("catch_distance", "spread", "hazard_steps", "turn_weight", "turn_threshold"):
+        for name in ("catch_distance", "spread", "prior_speed", "hazard_steps", "turn_weight", "turn_threshold"):
             check_number(name, getattr(self, name), above=0.0)
         check_number("heading_price", self.heading_price)
         check_number("hazard", self.hazard, most=1.0)
@@ -70,8 +72,8 @@ class InterceptPlanner(PairPlanner):
     1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once.
     2. The prey: weighted futures from a :class:`TurnModel` that is learned from the transitions of
        this hunt: straight on, or one turn in one of the next steps. Its priors come from the hunter's
-       own forward model: the prey goes as fast as the fastest straight gait, and turns by what the
-       hunter's own gaits turn by.
+       own forward model: the prey goes nearly as fast as the fastest straight gait, wanders as that
+       does, and turns by what the hunter's own gaits turn by.
     3. Both steps: P(captured by t) at every part-way pose, hence the expected time of capture.
     4. Beyond them: the time in which the hunter, heading straight for the meeting point at top speed,
        would meet the prey, and a price for the turns that this takes (:class:`Homing`).
@@ -91,12 +93,13 @@ class InterceptPlanner(PairPlanner):
         price = chosen.heading_price * step / own.softest_turn
         super().__init__(model, Homing(own.top_speed / step, chosen.catch_distance * body, price), chosen.spread * body)
         self.prior = TurnModel(
-            prior_speed=own.top_speed,
+            prior_speed=chosen.prior_speed * own.top_speed,
             prior_turns=own.turns,
             prior_hazard=chosen.hazard,
             prior_steps=chosen.hazard_steps,
             turn_weight=chosen.turn_weight,
             threshold=chosen.turn_threshold,
+            prior_drift=own.drift,
         )
 
     def prey(self, situation: Situation) -> TurnModel:

@@ -39,7 +39,7 @@ class RoomGuessSettings(InterceptSettings):
     """
 
     hazard: float = 0.02
-    room_chance: float = 0.4
+    room_chance: float = 0.3
     nearest: float = 6.2
     farthest: float = 24.2
     sizes: int = 12
@@ -97,7 +97,9 @@ class InterceptRoomPlanner(InterceptPlanner):
         speed = known.speed / self.time_step
         for walls, chance in zip(self.walls, chances.tolist(), strict=False):
             if chance >= _NEGLIGIBLE:
-                bounced = room_futures(situation.prey, situation.pose, walls, speed, self.time_step, legs=_LEGS)
+                bounced = room_futures(
+                    situation.prey, situation.pose, walls, speed, known.drift, self.time_step, legs=_LEGS
+                )
                 if bounced is not None:
                     parts.append((chance, bounced))
         return mix(parts)

@@ -19,12 +19,14 @@ from bayeshunt.planners.intercept import InterceptPlanner, InterceptSettings, ch
 class RoomSettings(InterceptSettings):
     """Settings of the interception hunter, and of what a prey does at a wall.
 
+    hazard: as for the interception hunter; a known arena leaves little reason for a turn where there is no wall.
     clearance: body lengths that the prey's centre keeps from where the hunter's own centre is stopped, >= 0.
     rebound: angle between a wall and the prey that has turned away from it, radians in [0, 1.5].
     """
 
-    clearance: float = 0.8
-    rebound: float = 0.4
+    hazard: float = 0.02
+    clearance: float = 0.4
+    rebound: float = 0.5
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -33,15 +35,19 @@ class RoomSettings(InterceptSettings):
 
 
 class InterceptWallsPlanner(InterceptPlanner):
-    """Interception with the prey's path followed from wall to wall.
+    """Interception with the prey's path followed from wall to wall, the walls learned by babbling in the arena.
 
-    room: a :class:`RoomModel` or the path of one (``bayeshunt explore --out FILE``): learned in the
-    arena before the hunt, so its row is not learned within the run. It needs to know where it is:
-    ``situation.pose``. Where no known wall lies ahead of the prey it is the interception hunter.
+    The hunter babbles alone in the arena before it hunts there, as it babbled to learn its own gaits:
+    an evaluation and ``bayeshunt hunt`` do so first, in every arena. What it learns is where it was held
+    up (:class:`~bayeshunt.models.rooms.RoomModel`), nothing of any prey. In an arena without walls it
+    finds none, and then it is the interception hunter with little fear of turns. It needs to know where
+    it is: ``situation.pose``.
+
+    room: a RoomModel or the path of one (``bayeshunt explore --out FILE``) to use instead; learned in
+    another run, so that its row is not ab initio.
     """
 
     name = "intercept_walls"
-    ab_initio = False
     standalone = False
     settings: RoomSettings
 
@@ -66,7 +72,7 @@ class InterceptWallsPlanner(InterceptPlanner):
         if not (self.settings.prior or situation.transitions):
             return super().futures(situation)
         speed = known.speed / self.time_step
-        found = room_futures(situation.prey, situation.pose, self.walls, speed, self.time_step)
+        found = room_futures(situation.prey, situation.pose, self.walls, speed, known.drift, self.time_step)
         return super().futures(situation) if found is None else found
 
 
@@ -79,13 +85,13 @@ def intercept_walls(
     """
     if room is None:
         raise InputError(
-            'intercept_walls: needs the setting room; make one with "bayeshunt explore --out FILE" '
-            "and give it as planner.intercept_walls.room"
+            "intercept_walls: needs a room, of the arena it hunts in: bayeshunt.learn_room(experiment, arena=...), "
+            'or a file made by "bayeshunt explore --out FILE"'
         )
     return InterceptWallsPlanner(model, RoomSettings(**settings), room=room)
 
 
 intercept_walls.standalone = False  # type: ignore[attr-defined]
-intercept_walls.ab_initio = False  # type: ignore[attr-defined]
+intercept_walls.explores = True  # type: ignore[attr-defined]
 #: Names of the settings that :func:`intercept_walls` takes.
 SETTINGS = ("room", *(field.name for field in fields(RoomSettings)))

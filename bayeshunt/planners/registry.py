@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 from bayeshunt.errors import InputError
@@ -59,19 +59,33 @@ def planner_names(*, standalone: bool = False) -> tuple[str, ...]:
     """Return the names of all registered planners, in order of registration.
 
     standalone: only those that a forward model alone makes and a situation alone lets decide; the others
-        need a table made beforehand or the prey's future, and say so (``standalone = False``).
+        need a table, the room of their arena or the prey's future, and say so (``standalone = False``).
     """
     return tuple(n for n, e in _REGISTRY.items() if not standalone or getattr(e.factory, "standalone", True))
 
 
-def is_ab_initio(name: str) -> bool:
+def is_ab_initio(name: str, given: Collection[str] = ()) -> bool:
     """Return whether a planner learns all it knows within the run (False too for bounds told the future).
 
+    given: names of the settings that the experiment gives it; a room from a file was learned in another run.
     The mark is the attribute ``ab_initio`` of the planner's class; without one, and for a name that is
     not registered, it is taken to be True.
     """
     entry = _REGISTRY.get(name)
-    return entry is None or bool(getattr(entry.factory, "ab_initio", True))
+    if entry is None:
+        return True
+    told = getattr(entry.factory, "explores", False) and "room" in given
+    return bool(getattr(entry.factory, "ab_initio", True)) and not told
+
+
+def explores(name: str, given: Collection[str] = ()) -> bool:
+    """Return whether a planner is to babble in its arena before it hunts there.
+
+    It is if its class or factory says ``explores = True`` (it takes a RoomModel as setting ``room``) and
+    ``given``, the names of the settings that the experiment gives it, does not hold "room".
+    """
+    entry = _REGISTRY.get(name)
+    return entry is not None and bool(getattr(entry.factory, "explores", False)) and "room" not in given
 
 
 def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:

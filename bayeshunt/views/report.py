@@ -75,7 +75,7 @@ def report_facts(
     shelves = []
     for planner, arena in pairs:
         source = model_option(model_path, seed)
-        shelves.append(build_shelf(results, settings, learned, planner, arena, source=source))
+        shelves.append(build_shelf(results, settings, learned, planner, arena, seed, source=source))
         if progress is not None:
             progress(1)
     looks = styles(planners)
@@ -87,7 +87,8 @@ def report_facts(
         "totals": [row for row in rows if row["theta"] is None],
         "bearings": [row for row in rows if row["theta"] is not None],
         "looks": list(looks.values()),
-        "marked": [name for name in planners if not is_ab_initio(name)], "mark": NOT_AB_INITIO,
+        "marked": [name for name in planners if not is_ab_initio(name, settings.planner.get(name, {}))],
+        "mark": NOT_AB_INITIO,
         "published": list(settings.published),
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),

@@ -15,10 +15,10 @@ import pandas as pd
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.episode import Episode
 from bayeshunt.errors import BayesHuntError
+from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.hunting import hunt, run_hunt
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Plan, Planner, Situation
-from bayeshunt.planners.registry import make_planner
 from bayeshunt.views.replay import replay_data
 
 #: A trail point every so many control intervals: the player draws straight lines between them.
@@ -41,13 +41,18 @@ class Shelf:
 
 
 def build_shelf(
-    results: pd.DataFrame, settings: ExperimentSettings, model: ForwardModel, planner: str, arena: str, **source: Any
-) -> Shelf:
-    """Hunt again one caught and one missed hunt of ``planner`` in ``arena``; ``source`` as ``replay_data`` takes it."""
+    results: pd.DataFrame, settings: ExperimentSettings, model: ForwardModel, planner: str, arena: str, seed: int,
+    **source: Any,
+) -> Shelf:  # fmt: skip
+    """Hunt again one caught and one missed hunt of ``planner`` in ``arena``.
+
+    seed: of the evaluation. source: as ``replay_data`` takes it.
+    """
     shelf = Shelf(planner, arena)
     hunts = results[(results["planner"] == planner) & (results["arena"] == arena)]
     try:
-        mind = make_planner(planner, model, **settings.planner.get(planner, {}))
+        rooms = learn_rooms(settings, [planner], [arena], seed, model)
+        mind = prepare_planner(planner, model, settings, rooms, arena)
         for row in choose(hunts):
             episode = hunt(settings, mind, arena=arena, theta=float(row["theta"]), seed=int(row["seed"]))
             # Timed the second time: the first fills the planner's tables.

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from bayeshunt.errors import InputError
+from bayeshunt.models.rooms import RoomModel
 from bayeshunt.planners import registry
 from bayeshunt.planners.catalogue import describe_planner
 from bayeshunt.planners.registry import make_planner, planner_names
@@ -30,7 +31,8 @@ def test_the_facts_of_a_planner_that_needs_a_file():
     facts = describe_planner("memory_place")
     assert (facts.ab_initio, facts.needs) == (False, {"tables": "bayeshunt remember"})
     assert describe_planner("reference").needs == {"table": "bayeshunt reference"}
-    assert describe_planner("intercept_walls").needs == {"room": "bayeshunt explore"}
+    walls = describe_planner("intercept_walls")  # babbles in the arena where it is given no file
+    assert (walls.ab_initio, walls.needs, walls.settings[0][:4]) == (True, {}, ("room", "file", "", "babbled"))
     assert describe_planner("omniscient").needs_future
     assert not describe_planner("intercept").needs_future
     assert describe_planner("intercept").ab_initio
@@ -47,6 +49,9 @@ def just_outside(text):
     return []
 
 
+NEEDED = {"intercept_walls": {"room": RoomModel.empty()}}
+
+
 @pytest.mark.parametrize(
     ("name", "setting", "value"),
     [
@@ -59,7 +64,7 @@ def just_outside(text):
 def test_what_is_outside_a_range_is_refused(khepera_model, name, setting, value):
     given = int(value) if setting.kind.startswith("whole") else value
     with pytest.raises(InputError, match=setting.name):
-        make_planner(name, khepera_model, **{setting.name: given})
+        make_planner(name, khepera_model, **{setting.name: given}, **NEEDED.get(name, {}))
 
 
 def test_a_planner_of_ones_own(monkeypatch):

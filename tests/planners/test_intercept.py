@@ -13,6 +13,7 @@ from planner_cases import BODY, STEP, situations
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar
 from bayeshunt.models.prey import PreyModel
+from bayeshunt.models.imported import ImportedModel
 from bayeshunt.models.turns import OwnMotion, TurnModel
 from bayeshunt.planners.base import Situation
 from bayeshunt.planners.futures import Futures, mix, turning_futures
@@ -42,6 +43,22 @@ def test_own_motion_reads_the_gaits(model):
     assert own.top_speed == pytest.approx(0.0576 * STEP, rel=0.02)
     assert len(own.turns) == 8  # all but the two straight gaits
     assert own.softest_turn == pytest.approx(0.0144 / 0.052 * STEP, rel=0.05)
+    headings = model.probabilities("Heading")[:, model.gaits.index("straight")], model.axes.heading.centres
+    assert own.drift == pytest.approx(math.sqrt(headings[0] @ headings[1] ** 2), rel=0.2)  # exact against binned
+
+
+def test_drift_of_an_imported_network_is_that_of_its_bins(model):
+    own = OwnMotion.of(model, 0.4).drift
+    given = {"Gait": np.full(len(model.gaits), 1 / len(model.gaits)), **model.local_tables}
+    imported = ImportedModel.of(model.gaits, model.axes, model.structure, given)
+    assert OwnMotion.of(imported, 0.4).drift == pytest.approx(own, rel=0.2)
+
+
+def test_what_wanders_by_hand():
+    prior = TurnModel(0.2, prior_drift=0.3, prior_steps=2.0, threshold=0.5)
+    assert prior.drift == pytest.approx(0.3)
+    seen = prior.learn([Polar(0.1, 0.0, 0.1), Polar(0.1, 0.0, -0.2), Polar(0.1, 0.0, 1.0)])  # the last is a turn
+    assert seen.drift == pytest.approx(math.sqrt((2 * 0.09 + 0.01 + 0.04) / 4))
 
 
 def test_turn_table_by_hand():
@@ -73,7 +90,7 @@ def test_turn_table_does_not_depend_on_how_transitions_arrive():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"prior_speed": 0.0}, {"prior_hazard": 1.5}, {"prior_steps": 0.0}, {"prior_turns": [np.nan]}]
+    "wrong", [{"prior_speed": 0.0}, {"prior_hazard": 1.5}, {"prior_steps": 0.0}, {"prior_turns": [np.nan]}, {"prior_drift": -1.0}]
 )
 def test_turn_model_refuses_nonsense(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):

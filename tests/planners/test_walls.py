@@ -54,7 +54,7 @@ def test_a_prey_leaves_a_wall_on_the_side_it_came_in_on():
 def test_a_path_by_hand():
     hunter = Pose(0.1, -0.1, 0.7)
     prey = Pose(0.0, 0.0, 0.3)  # well off head-on: no second path worth keeping at 0.8 rad, one at 0.3
-    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, STEP)
+    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, 0.1, STEP)
     hit = 0.5 / math.cos(0.3) / 0.05
     forward, right = (a[0] for a in futures.at(np.array([0.0, hit, hit + 2.0])))
     expected = [prey, Pose(0.5, 0.5 * math.tan(0.3), 0.0)]
@@ -68,22 +68,23 @@ def test_a_path_by_hand():
 
 def test_head_on_a_prey_may_turn_either_way():
     hunter = Pose(0.0, 0.0, 0.0)
-    even = room_futures(hunter.relative(Pose(0.2, 0.0, 0.0)), hunter, SQUARE, 0.05, STEP)
+    even = room_futures(hunter.relative(Pose(0.2, 0.0, 0.0)), hunter, SQUARE, 0.05, 0.1, STEP)
     assert even.weights.tolist() == pytest.approx([0.5, 0.5])
-    tilted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.15)), hunter, SQUARE, 0.05, STEP)
-    assert tilted.weights[1] == pytest.approx(1 / (1 + math.e))
-    slanted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.785)), hunter, SQUARE, 0.05, STEP)
+    tilted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.15)), hunter, SQUARE, 0.05, 0.1, STEP)
+    steps = 0.3 / math.cos(0.15) / (0.05 * STEP)  # the heading's random walk on the way to the wall
+    assert tilted.weights[1] == pytest.approx(0.5 * math.erfc(0.15 / (0.1 * math.sqrt(2 * steps))))
+    slanted = room_futures(hunter.relative(Pose(0.2, 0.0, 0.785)), hunter, SQUARE, 0.05, 0.1, STEP)
     assert slanted.weights.tolist() == [1.0]
     assert even.groups.tolist() == [0, 0]  # 6 s away: not told apart by the next decision
-    near = room_futures(hunter.relative(Pose(0.4, 0.0, 0.0)), hunter, SQUARE, 0.05, STEP)
-    assert near.groups.tolist() == [0, 1]
+    near = room_futures(hunter.relative(Pose(0.4, 0.0, 0.0)), hunter, SQUARE, 0.05, 0.1, STEP)
+    assert near.groups.tolist() == [1, 2]
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_paths_stay_inside(seed):
     rng = np.random.default_rng(seed)
     hunter, prey = (Pose(*rng.uniform(-0.45, 0.45, 2), rng.uniform(-3, 3)) for _ in range(2))
-    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, STEP)
+    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, 0.1, STEP)
     forward, right = futures.at(np.linspace(0.0, 40.0, 400))
     for path in zip(forward, right, strict=True):
         places = hunter.compose(Polar.from_cartesian(*path))
@@ -92,7 +93,7 @@ def test_paths_stay_inside(seed):
 
 def test_no_wall_ahead_no_room_futures():
     one = Walls(((1.0, 0.0),), (0.5,), 0.4)
-    assert room_futures(Polar(0.3, 0.0, math.pi), Pose(0, 0, 0), one, 0.05, STEP) is None
+    assert room_futures(Polar(0.3, 0.0, math.pi), Pose(0, 0, 0), one, 0.05, 0.1, STEP) is None
 
 
 # --- the planner that knows its walls --------------------------------------------------------------
@@ -108,9 +109,9 @@ def test_walls_planner_conforms(model):
 
 
 def test_a_room_without_walls_is_the_open(model):
-    empty = RoomModel(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
+    empty = RoomModel.empty()
     case = hunt_situation(Pose(0.1, 0.0, 1.0), Pose(0.3, 0.2, 0.5), [Polar(0.16, 0, 0)])
-    with_walls, without = intercept_walls(model, room=empty), intercept(model)
+    with_walls, without = intercept_walls(model, room=empty, hazard=0.1), intercept(model)
     assert with_walls.plan(case, rng=RNG).value == without.plan(case, rng=RNG).value
 
 
