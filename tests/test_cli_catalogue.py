@@ -83,6 +83,7 @@ def test_ones_own_are_listed_too(folder):
     assert (facts["shipped"], facts["summary"]) == (False, "Does as it pleases")
     assert facts["settings"][0]["default"] == 1.0
     assert "Runs like a hare." in run("prey")
+    assert "bayeshunt --plugin FILE.py evaluate --planner mine --set planner.mine.mood=1" in run("planners", "mine")
 
 
 def test_robots_prey_and_presets(bayeshunt, folder):

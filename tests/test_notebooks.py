@@ -72,6 +72,30 @@ def test_uses_the_public_interface_only(path: Path) -> None:
                 assert node.attr in bayeshunt.__all__, f"bh.{node.attr} is not public"
 
 
+@each_notebook
+def test_every_figure_has_words_for_those_who_cannot_see_it(path: Path) -> None:
+    """A cell that draws ends in figures.described(figure, "what it shows"): no picture without its alternative text."""
+    drawing = {"plt", "figures", "assess_figure"}
+    for cell in nbformat.read(path, as_version=4).cells:
+        if cell.cell_type != "code":
+            continue
+        tree = ast.parse(code_of(nbformat.v4.new_notebook(cells=[cell])))
+        used = {n.value.id for n in ast.walk(tree) if isinstance(n, ast.Attribute) and isinstance(n.value, ast.Name)}
+        last = tree.body[-1] if tree.body else None
+        if not used & drawing:
+            continue
+        shown = isinstance(last, ast.Expr) and isinstance(last.value, ast.Call)
+        assert shown, f"{cell.id} draws, and does not show it with its words"
+        assert ast.unparse(last.value.func) == "figures.described", cell.id  # type: ignore[attr-defined]
+        assert len(ast.literal_eval(last.value.args[1])) > 40, cell.id  # type: ignore[attr-defined]
+
+
+@each_notebook
+def test_gaits_have_their_colours_from_the_theme(path: Path) -> None:
+    palettes = re.findall(r"\[(?:\s*\"#[0-9a-fA-F]{6}\",?){3,}", code_of(nbformat.read(path, as_version=4)))
+    assert not palettes, "a palette of its own: use bayeshunt.views.theme"
+
+
 @pytest.mark.slow
 @each_notebook
 def test_runs_from_start_to_end(path: Path, tmp_path: Path) -> None:

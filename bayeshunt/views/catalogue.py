@@ -80,8 +80,10 @@ def _how_to_set(facts: Any) -> None:
     """Print how one setting is changed, on the command line and in a settings file."""
     some = facts.settings[0]
     value = "FILE" if some.kind == "file" else toml_text(some.default)
+    plugin = "" if facts.shipped else "--plugin FILE.py "
     out.print(
-        f"Change one:  bayeshunt evaluate --planner {facts.name} --set planner.{facts.name}.{some.name}={value}",
+        f"Change one:  bayeshunt {plugin}evaluate --planner {facts.name} "
+        f"--set planner.{facts.name}.{some.name}={value}",
         soft_wrap=True,
     )
     out.print("or in a settings file, given with --config:")

@@ -27,7 +27,7 @@ def tag(name: str, *content: Any, **attributes: Any) -> Html:
             continue
         key = key.rstrip("_").replace("_", "-")
         parts.append(f" {key}" if value is True else f' {key}="{html.escape(str(value))}"')
-    if name == "input":  # a void element: no content, no end tag
+    if name in ("input", "img"):  # a void element: no content, no end tag
         return Html("".join(parts) + ">")
     return Html("".join(parts) + ">" + join(content) + f"</{name}>")
 

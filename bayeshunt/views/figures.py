@@ -16,13 +16,14 @@ from bayeshunt.geometry import Polar
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.planners.base import Plan
+from bayeshunt.views.figures_alt import described
 from bayeshunt.views.figures_experiments import experiment, setup, success
 from bayeshunt.views.figures_models import gait_outcomes, network, prey, prey_table, prey_transition
 from bayeshunt.views.figures_plans import planning_step, search_tree
 from bayeshunt.views.figures_style import save
 
 __all__ = [
-    "experiment", "gait_outcomes", "network", "paper_figures", "planning_step", "prey", "prey_table",
+    "described", "experiment", "gait_outcomes", "network", "paper_figures", "planning_step", "prey", "prey_table",
     "prey_transition", "save", "save_all", "search_tree", "setup", "success",
 ]  # fmt: skip
 
