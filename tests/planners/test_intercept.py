@@ -12,8 +12,8 @@ from planner_cases import BODY, STEP, situations
 
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar
-from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.imported import ImportedModel
+from bayeshunt.models.prey import PreyModel
 from bayeshunt.models.turns import OwnMotion, TurnModel
 from bayeshunt.planners.base import Situation
 from bayeshunt.planners.futures import Futures, mix, turning_futures
@@ -90,7 +90,14 @@ def test_turn_table_does_not_depend_on_how_transitions_arrive():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"prior_speed": 0.0}, {"prior_hazard": 1.5}, {"prior_steps": 0.0}, {"prior_turns": [np.nan]}, {"prior_drift": -1.0}]
+    "wrong",
+    [
+        {"prior_speed": 0.0},
+        {"prior_hazard": 1.5},
+        {"prior_steps": 0.0},
+        {"prior_turns": [np.nan]},
+        {"prior_drift": -1.0},
+    ],
 )
 def test_turn_model_refuses_nonsense(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
