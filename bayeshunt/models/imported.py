@@ -20,7 +20,7 @@ from bayeshunt.geometry import Polar
 from bayeshunt.models.counts import JointCounts
 from bayeshunt.models.effects import IndependentEffects, JointEffects
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.structures import Structure
+from bayeshunt.models.structures import NAIVE, PREVIOUS, Structure, check_hunting, depends_on_previous
 from bayeshunt.models.table import ProbabilityTable
 
 
@@ -29,20 +29,51 @@ class ImportedModel(ForwardModel):
     """A forward model whose tables are given; ``joint`` holds its gaits and bins and counts nothing.
 
     given: "Gait" [G], and P(effect | parents) [K, ...parents] of each effect, parents in alphabetical
-        order; columns sum to 1.
+        order; columns sum to 1. With the gait before as a cause "PreviousGait" [G], too.
+    conditions: states of other variables that the tables hold for, {"PreviousGait": name} of a part (:meth:`after`).
     """
 
     given: Mapping[str, np.ndarray] = field(default_factory=dict)
+    conditions: Mapping[str, str] = field(default_factory=dict)
     has_counts: ClassVar[bool] = False
 
     @classmethod
     def of(
-        cls, gaits: GaitRepertoire, axes: EffectAxes, structure: Structure, given: Mapping[str, np.ndarray]
+        cls,
+        gaits: GaitRepertoire,
+        axes: EffectAxes,
+        structure: Structure,
+        given: Mapping[str, np.ndarray],
+        conditions: Mapping[str, str] | None = None,
     ) -> ImportedModel:
-        """Return the model of these tables; ``structure`` must not have the gait before as a cause."""
+        """Return the model of these tables; with the gait before as a cause ``structure`` is PREVIOUS_GAIT."""
         for values in given.values():
             values.setflags(write=False)
-        return cls(JointCounts.empty(gaits, axes), structure=structure, given=given)
+        return cls(JointCounts.empty(gaits, axes), structure=structure, given=given, conditions=conditions or {})
+
+    @property
+    def known(self) -> Mapping[str, str]:  # type: ignore[override]
+        """The states that the tables are conditioned on."""
+        return self.conditions
+
+    @property
+    def states(self) -> dict[str, list[str]]:
+        """Names of the states of each variable of the network, in table order."""
+        before = {PREVIOUS: list(self.gaits.names)} if depends_on_previous(self.structure) else {}
+        return {**before, **super().states}
+
+    @property
+    def local_tables(self) -> dict[str, np.ndarray]:
+        """The network's own tables, as given."""
+        return {**{cause: self.given[cause] for cause in self.structure.causes}, **super().local_tables}
+
+    def after(self, previous_gait: Gait | str | None) -> ForwardModel:
+        """Return what each gait does right after ``previous_gait``; None: the gait before is summed over."""
+        if previous_gait is None or not depends_on_previous(self.structure):
+            return super().after(previous_gait)
+        index = self.gaits.index(previous_gait)
+        given = {"Gait": self.given["Gait"], **{effect: self.given[effect][:, :, index].copy() for effect in EFFECTS}}
+        return ImportedModel.of(self.gaits, self.axes, NAIVE, given, {PREVIOUS: self.gaits.names[index]})
 
     @property
     def learned_cells(self) -> np.ndarray:
@@ -94,14 +125,14 @@ class ImportedModel(ForwardModel):
         """Equal gaits, bins, edges and tables."""
         if not isinstance(other, ImportedModel):
             return NotImplemented
-        mine, theirs = ((m.gaits, m.axes, m.structure) for m in (self, other))
+        mine, theirs = ((m.gaits, m.axes, m.structure, dict(m.conditions)) for m in (self, other))
         return mine == theirs and all(np.array_equal(self.given[v], other.given[v]) for v in self.given)
 
     def __hash__(self) -> int:
         return hash((self.gaits, self.axes, self.structure))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return ImportedModel.of, (self.gaits, self.axes, self.structure, dict(self.given))
+        return ImportedModel.of, (self.gaits, self.axes, self.structure, dict(self.given), dict(self.conditions))
 
     # --- inside -------------------------------------------------------------------------------
 
@@ -110,7 +141,11 @@ class ImportedModel(ForwardModel):
         local = {effect: self.given[effect] for effect in EFFECTS}
         if self.structure.is_naive:
             return IndependentEffects.of_tables(local)
-        return JointEffects.of_tables(self.structure, local, (len(self.gaits), *self.axes.shape))
+        shares = {PREVIOUS: self.given[PREVIOUS]} if depends_on_previous(self.structure) else None
+        return JointEffects.of_tables(self.structure, local, (len(self.gaits), *self.axes.shape), shares)
+
+    def _check_structure(self) -> None:
+        check_hunting(self.structure)
 
     @cached_property
     def _tables(self) -> dict[str, np.ndarray]:

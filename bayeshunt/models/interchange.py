@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.axes import Axis, EffectAxes
+from bayeshunt.axes import EFFECTS, Axis, EffectAxes
 from bayeshunt.errors import InputError
 from bayeshunt.files import write_text
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.models import network, xmlbif
 from bayeshunt.models.imported import ImportedModel
-from bayeshunt.models.structures import Structure, depends_on_previous
+from bayeshunt.models.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
@@ -70,15 +70,17 @@ def _cells(model: ForwardModel, variable: str) -> pd.DataFrame:
 
 
 def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAxes | None = None) -> ImportedModel:
-    """Read a network over Gait, Distance, Angle and Heading from a file of another program.
+    """Read a network over Gait, Distance, Angle, Heading and perhaps PreviousGait from a file of another program.
 
     path: XMLBIF (``.xml``, ``.xmlbif``, ``.bifxml``) or BIF (``.bif``).
     gaits: the repertoire, names in the file's order or the same names; default: the file's names.
     axes: the bins, in the file's order of states; default: from the bin labels. State names are
         translated by ``<path>.labels.json`` if it is there, as our own exports have it.
 
-    Any edges into Distance, Angle and Heading will do. Raises InputError in one line for an
-    unreadable file, other variables or edges, states that do not fit, or columns that do not sum to 1.
+    Any edges into Distance, Angle and Heading will do; from PreviousGait to all of them or none.
+
+    Raises InputError in one line for an unreadable file, other variables or edges, states that do not
+    fit, or columns that do not sum to 1.
     """
     found, labels = _open(path)
     return _model(found, labels, gaits, axes, os.fspath(path))
@@ -119,9 +121,16 @@ def _model(found: Any, labels: dict[str, list[str]], gaits: Any, axes: EffectAxe
     order = {"Gait": _positions(labels["Gait"], repertoire.names, "Gait", name)}
     order |= {axis.name: _positions(labels[axis.name], axis.labels, axis.name, name) for axis in grid}
     structure = Structure("learned", tuple(found.edges()))
-    if structure.is_naive:
-        structure = Structure("naive", structure.edges)
-    given = {variable: _table(found, variable, structure, order, name) for variable in network.VARIABLES}
+    structure = next((s for s in (NAIVE, PREVIOUS_GAIT) if s.edges == structure.edges), structure)
+    if depends_on_previous(structure) and structure is not PREVIOUS_GAIT:
+        raise InputError(
+            f"{name}: with {PREVIOUS} among the causes, it and Gait must be the parents of each of "
+            f"{', '.join(EFFECTS)}, and nothing else"
+        )
+    if PREVIOUS in labels:
+        order[PREVIOUS] = _positions(labels[PREVIOUS], repertoire.names, PREVIOUS, name)
+    variables = (*structure.causes, *EFFECTS)
+    given = {variable: _table(found, variable, structure, order, name) for variable in variables}
     return ImportedModel.of(repertoire, grid, structure, given)
 
 
@@ -144,14 +153,15 @@ def _read(path: Path, name: str) -> Any:
 
 def _check_variables(found: Any, name: str) -> None:
     variables = set(found.nodes())
-    if variables != set(network.VARIABLES):
+    if variables - {PREVIOUS} != set(network.VARIABLES):
         got = ", ".join(sorted(map(str, variables)))
-        raise InputError(f"{name}: the variables are {got}; expected exactly {', '.join(network.VARIABLES)}")
+        expected = ", ".join(network.VARIABLES)
+        raise InputError(f"{name}: the variables are {got}; expected exactly {expected} (and perhaps {PREVIOUS})")
 
 
 def _labels(found: Any, path: Path, name: str) -> dict[str, list[str]]:
     """The states of every variable in the file's order, translated by the label map if there is one."""
-    states = {v: [str(s) for s in found.get_cpds(v).state_names[v]] for v in network.VARIABLES}
+    states = {v: [str(s) for s in found.get_cpds(v).state_names[v]] for v in sorted(found.nodes())}
     beside = xmlbif.labels_path(path)
     if not beside.is_file():
         return states

@@ -134,7 +134,8 @@ def _gait_before(figure: Figure, model: ForwardModel) -> Axes:
     axes = figure.add_axes((0.15, 0.13, 0.19, 0.09))
     axes.set(title=PREVIOUS, xticks=[], yticks=[])
     axes.spines[["top", "right"]].set_visible(True)
-    said = model.known.get(PREVIOUS, f"summed over, {model.gait_prior}")
+    chances = f", {model.gait_prior}" if model.has_counts else ""
+    said = model.known.get(PREVIOUS, f"summed over{chances}")
     axes.text(0.5, 0.45, said, ha="center", va="center", fontsize=8, transform=axes.transAxes)
     return axes
 

@@ -116,7 +116,8 @@ def _before_node(model: ForwardModel, top: float) -> Html:
     """The gait before: observed, or summed over."""
     observed = model.known.get(PREVIOUS)
     parts = _frame(2, top, _LEFT, _BEFORE, PREVIOUS, "observed" if observed else "summed over", observed is not None)
-    said = svg.shorten(observed, 40) if observed else f"{len(model.gaits)} gaits, P(PreviousGait) {model.gait_prior}"
+    chances = f", P(PreviousGait) {model.gait_prior}" if model.has_counts else ""
+    said = svg.shorten(observed, 40) if observed else f"{len(model.gaits)} gaits{chances}"
     return tag("g", *parts, svg.text(14, top + 40, said, faint=observed is None))
 
 

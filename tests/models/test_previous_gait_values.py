@@ -122,6 +122,52 @@ def test_xmlbif_is_read_back_with_the_same_posterior(tmp_path: Path) -> None:
             np.testing.assert_allclose(answer.values, other.posterior("Gait").toarray()[order], rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", ["xmlbif", "bif"])
+def test_a_network_with_the_gait_before_is_read(kind: str, tmp_path: Path) -> None:
+    """Our own export, and one that pgmpy writes: the same answers, without counts."""
+    model, path = fit(FRAME, 0.2, "empirical"), tmp_path / f"m.{kind}"
+    if kind == "xmlbif":
+        model.to_xmlbif(path)
+    else:
+        from pgmpy.readwrite import BIFWriter, XMLBIFReader
+
+        model.to_xmlbif(tmp_path / "m.xmlbif")
+        BIFWriter(XMLBIFReader(str(tmp_path / "m.xmlbif")).get_model()).write(str(path))
+        xmlbif.labels_path(path).write_text(xmlbif.labels_path(tmp_path / "m.xmlbif").read_text())
+    read = bh.import_network(path)
+    assert read.structure == PREVIOUS_GAIT
+    assert set(read.local_tables) == set(model.local_tables)
+    for name, table in model.local_tables.items():
+        np.testing.assert_allclose(read.local_tables[name], table, rtol=0, atol=1e-12 if kind == "xmlbif" else 1e-7)
+    again = pickle.loads(pickle.dumps(read))
+    assert again == read
+    for name in (*GAITS, None):
+        part = read.after(name)
+        assert part.known == ({} if name is None else {"PreviousGait": name})
+        for effect in EFFECTS:
+            expected = model.after(name).probabilities(effect)
+            np.testing.assert_allclose(part.probabilities(effect), expected, rtol=0, atol=1e-7)
+        answer = bh.InverseModel(read).after(name).posterior(0.07, 0.3)
+        expected = bh.InverseModel(model).after(name).posterior(0.07, 0.3)
+        if answer.cell == expected.cell:
+            np.testing.assert_allclose(answer.values, expected.values, rtol=0, atol=1e-7)
+        assert answer.support is None
+    assert bh.make_planner("planning", read, depth=2).rollouts_after.keys() == set(GAITS)
+
+
+def test_half_a_second_cause_is_refused(tmp_path: Path) -> None:
+    model, path = fit(FRAME), tmp_path / "m.xmlbif"
+    model.to_xmlbif(path)
+    text = path.read_text()
+    cut = text.replace("<GIVEN>PreviousGait</GIVEN>", "", 1)
+    first = cut.index("<FOR>Distance</FOR>")
+    start, end = cut.index("<TABLE>", first) + 7, cut.index("</TABLE>", first)
+    cut = cut[:start] + " ".join(cut[start:end].split()[: 3 * model.axes.distance.bins]) + cut[end:]
+    path.write_text(cut)
+    with pytest.raises(bh.InputError, match=r"m\.xmlbif: with PreviousGait among the causes"):
+        bh.import_network(path)
+
+
 def test_csv_has_every_table_with_its_counts(tmp_path: Path) -> None:
     model = fit(FRAME)
     model.to_csv(tmp_path)
