@@ -69,7 +69,8 @@ def check_number(name: str, value: Any, *, above: float | None = None, most: flo
 class InterceptPlanner(PairPlanner):
     """Minimises the expected time of the first capture, not the distance at a step's end.
 
-    1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once.
+    1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once; in a model of
+       structure "previous_gait" each those after the gait before it.
     2. The prey: weighted futures from a :class:`TurnModel` that is learned from the transitions of
        this hunt: straight on, or one turn in one of the next steps. Its priors come from the hunter's
        own forward model: the prey goes nearly as fast as the fastest straight gait, wanders as that
@@ -115,7 +116,7 @@ class InterceptPlanner(PairPlanner):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the earliest expected capture."""
         check_request(situation, rng)
-        return self.choose(situation, self.pairs, self.futures(situation))
+        return self.choose(situation, self.pairs_from(situation), self.futures(situation))
 
 
 def intercept(model: ForwardModel, **settings: Any) -> InterceptPlanner:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.structures import depends_on_previous
 from bayeshunt.planners.futures import Futures
 from bayeshunt.planners.homing import Homing
 
@@ -52,22 +53,35 @@ class PairPaths:
 
     @classmethod
     def compile(cls, first: np.ndarray, second: np.ndarray, time_step: float) -> PairPaths:
-        """Compose the paths of a first and of a second step, both [3, G, P, S]; ``time_step`` in seconds."""
+        """Compose the paths of a first and of a second step, both [3, G, P, S]; ``time_step`` in seconds.
+
+        second: [3, G, G, P, S] where it depends on the first gait, the first of the two axes.
+        """
         points = first.shape[2]
+        if second.ndim == first.ndim:
+            second = second[:, None]
         start = first[:, :, None, None, -1]  # [3, G, 1, 1, S]
         cos, sin = np.cos(start[2]), np.sin(start[2])
         x = start[0] + cos * second[0] - sin * second[1]
         y = start[1] + sin * second[0] + cos * second[1]
-        heading = first[2, :, None, -1] + second[2, None, :, -1]
+        heading = first[2, :, None, -1] + second[2, ..., -1, :]
         end = np.stack([x[..., -1, :], y[..., -1, :], heading])
         times = np.arange(1, 2 * points + 1) * (time_step / points)
         return cls(times, first[:2].copy(), np.stack([x, y]), first[:, :, -1].copy(), end)
 
     @classmethod
-    def mean(cls, model: ForwardModel) -> PairPaths:
-        """Return the pairs of the mean paths: S = 1."""
-        paths = np.moveaxis(gait_paths(model), -1, 0)[..., None]
-        return cls.compile(paths, paths, model.gaits.duration)
+    def mean(cls, model: ForwardModel, previous_gait: str | None = None) -> PairPaths:
+        """Return the pairs of the mean paths: S = 1.
+
+        previous_gait: the gait just executed. It and the first gait of each pair say what follows
+            where the model depends on the gait before.
+        """
+        paths = np.moveaxis(gait_paths(model.after(previous_gait)), -1, 0)[..., None]
+        second = paths
+        if depends_on_previous(model.structure):
+            second = np.stack([gait_paths(model.after(gait)) for gait in model.gaits])
+            second = np.moveaxis(second, -1, 0)[..., None]
+        return cls.compile(paths, second, model.gaits.duration)
 
 
 @dataclass(frozen=True, eq=False)

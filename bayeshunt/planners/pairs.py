@@ -9,6 +9,7 @@ import pandas as pd
 
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.structures import depends_on_previous
 from bayeshunt.planners.base import Plan, Shown, Situation
 from bayeshunt.planners.futures import Futures
 from bayeshunt.planners.homing import Homing
@@ -25,7 +26,14 @@ class PairPlanner(Shown):
         self.gaits = tuple(model.gaits.names)
         self.time_step = model.gaits.duration
         self.pairs = PairPaths.mean(model)
+        after = self.gaits if depends_on_previous(model.structure) else ()
+        #: Those that follow a gait, where that changes them.
+        self.pairs_after = {gait: PairPaths.mean(model, gait) for gait in after}
         self.homing, self.spread = homing, spread
+
+    def pairs_from(self, situation: Situation) -> PairPaths:
+        """Return the mean paths of every pair of gaits after the one just executed."""
+        return self.pairs_after.get(situation.previous_gait or "", self.pairs)
 
     def choose(self, situation: Situation, pairs: PairPaths, futures: Futures) -> Plan:
         """Return the best plan against ``futures``.

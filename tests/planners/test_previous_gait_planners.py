@@ -101,9 +101,26 @@ def test_the_inverse_is_given_the_gait_just_executed(model: ForwardModel, name: 
     assert differs
 
 
+@pytest.mark.parametrize("before", [None, *NAMES])
+def test_pairs_of_mean_paths_follow_the_gait_before(model: ForwardModel, before: str | None) -> None:
+    planner = bh.make_planner("intercept", model)
+    pairs = planner.pairs_from(moment(before))
+    for (i, one), (j, two) in itertools.product(enumerate(NAMES), repeat=2):
+        first = model.after(before).predict(one)
+        end = first.compose(model.after(one).predict(two))
+        np.testing.assert_allclose(pairs.first_end[:2, i, 0], [first.forward, first.right], atol=1e-12)
+        np.testing.assert_allclose(pairs.end[:2, i, j, 0], [end.forward, end.right], atol=1e-12)
+        gap = pairs.end[2, i, j, 0] - float(end.heading)
+        assert abs(np.remainder(gap + np.pi, 2 * np.pi) - np.pi) < 1e-12
+        np.testing.assert_allclose(pairs.second[:, i, j, -1, 0], pairs.end[:2, i, j, 0], atol=1e-12)
+    plan = planner.plan(moment(before), rng=np.random.default_rng(0))
+    assert plan.trace["hunter_forward"][1:4].tolist() == pairs.first_end[0, :, 0].tolist()
+
+
 def test_other_structures_keep_one_bank_of_rollouts(small_model: ForwardModel) -> None:
     planner = bh.make_planner("planning", small_model, depth=3)
     assert planner.rollouts_after == {}
+    assert bh.make_planner("intercept", small_model).pairs_after == {}
     one, other = (planner.plan(moment(before), rng=np.random.default_rng(0)) for before in (None, "straight"))
     assert one.trace.equals(other.trace)
 
