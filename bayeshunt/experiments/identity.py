@@ -11,16 +11,17 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from bayeshunt.config import ExperimentSettings
-from bayeshunt.experiments.plugins import source_hashes
+from bayeshunt.experiments.plugins import used_additions
+from bayeshunt.experiments.sources import source_hashes
 
-#: Distributions whose version may change a result.
-_LIBRARIES = ("bayeshunt", "box2d", "numpy")
+#: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
+LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy")
 _ABSENT = "not given"
 
 #: Settings that change with the others: the words under a table, and the figures it is held against.
@@ -33,7 +34,7 @@ class Identity:
 
     settings, planners, arenas, seed: as asked. versions: by library name.
     files: SHA-256 of each file that a planner's settings name, by dotted key, and of the source of
-        planners and prey that do not ship.
+        planners and prey that do not ship, with what it imports from its own folder.
     learned: True if the model is babbled and fitted by the evaluation itself, from settings and seed.
     model: fingerprint of the model's tables; "" while a model that is to be learned is not yet known.
     """
@@ -54,7 +55,7 @@ class Identity:
         """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
         plain = json.loads(json.dumps(settings.model_dump(mode="json")))
         files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}))
-        files |= source_hashes(planners, settings.prey.behaviour)
+        files |= source_hashes(used_additions(planners, settings.prey.behaviour))
         return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), files, model is None, model or "")
 
     @classmethod
@@ -73,14 +74,23 @@ class Identity:
         return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()
 
     def difference(self, other: Identity) -> str | None:
-        """Return the first thing in which ``other`` differs, "seed is 0, not 1"; None if nothing does."""
+        """Return the first thing in which ``other`` differs, "seed is 0 there and 1 here"; None if nothing does.
+
+        Folders made when fewer libraries and source files were noted are held to what they note.
+        """
+        versions, files = other.versions, other.files
+        if not versions.keys() <= self.versions.keys():
+            versions, files = (
+                {key: value for key, value in theirs.items() if key in mine}
+                for mine, theirs in ((self.versions, versions), (self.files, files))
+            )
         pairs = (
             (self.settings, other.settings, "settings"),
             (list(self.planners), list(other.planners), "planners"),
             (list(self.arenas), list(other.arenas), "arenas"),
             (self.seed, other.seed, "seed"),
-            (self.versions, other.versions, "version of"),
-            (self.files, other.files, "SHA-256 of the file"),
+            (self.versions, versions, "version of"),
+            (self.files, files, "SHA-256 of the file"),
             (_model_kind(self), _model_kind(other), "the model"),
         )
         for mine, theirs, name in pairs:
@@ -94,7 +104,7 @@ class Identity:
 
 def versions() -> dict[str, str]:
     """Return the versions of the libraries that a result depends on."""
-    return {name: _version(name) for name in _LIBRARIES}
+    return {name: _version(name) for name in LIBRARIES}
 
 
 def fingerprint(model_text: str) -> str:
@@ -114,7 +124,11 @@ def _files(planner: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 @cache
 def _version(name: str) -> str:
-    return version(name)  # reads files: once per process, not once per batch of hunts
+    """Read once per process, not once per batch of hunts; a worker elsewhere may lack one."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def _model_kind(identity: Identity) -> str:

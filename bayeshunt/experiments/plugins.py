@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import importlib
 import importlib.util
-import inspect
 import os
 import sys
 from collections.abc import Iterable
@@ -40,30 +39,13 @@ class Additions(NamedTuple):
             adopt_planner(name, factory, settings)
 
 
-def source_hashes(planners: Iterable[str], behaviour: str) -> dict[str, str]:
-    """Return the SHA-256 of the source of each planner and of the prey that do not ship, by what they are.
-
-    planners: names of the planners used. behaviour: the prey's. Left out is whatever Python knows no source of.
-    """
+def used_additions(planners: Iterable[str], behaviour: str) -> dict[str, Any]:
+    """Return the class or function behind each planner, and behind the prey, that does not ship, by what it is."""
     here = Additions.here()
     used = {f"with planner {name}": here.planners[name][0] for name in planners if name in here.planners}
     if behaviour in here.prey:
         used[f"with prey {behaviour}"] = here.prey[behaviour]
-    sources = {name: _source(thing) for name, thing in used.items()}
-    return {name: hashlib.sha256(source).hexdigest() for name, source in sources.items() if source}
-
-
-def _source(thing: Any) -> bytes:
-    """The file that a class or function stands in; of one typed into a notebook, its methods; else nothing."""
-    with contextlib.suppress(TypeError, OSError):
-        file = Path(inspect.getsourcefile(thing) or "")
-        if file.is_file():
-            return file.read_bytes()
-    texts = []
-    for part in (thing, *vars(thing).values()) if hasattr(thing, "__dict__") else ():
-        with contextlib.suppress(TypeError, OSError):
-            texts.append(inspect.getsource(part))
-    return "\n".join(texts).encode()
+    return used
 
 
 def load_plugin(path: str | os.PathLike[str]) -> ModuleType:

@@ -7,7 +7,8 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.errors import InputError, ResultsError
-from bayeshunt.experiments.plugins import load_plugin, source_hashes
+from bayeshunt.experiments.plugins import load_plugin, used_additions
+from bayeshunt.experiments.sources import imported_files, source_hashes
 
 PLUGIN = """
 import bayeshunt as bh
@@ -66,8 +67,8 @@ def test_only_what_is_used_and_does_not_ship_is_hashed(tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "own.py").write_text(PLUGIN.format(jobs=name))
         load_plugin(tmp_path / name / "own.py")
-    assert source_hashes(["reactive", "planning"], "evader") == {}
-    found = source_hashes(["mine_of_one"], "circle_of_one")
+    assert source_hashes(used_additions(["reactive", "planning"], "evader")) == {}
+    found = source_hashes(used_additions(["mine_of_one"], "circle_of_one"))
     assert list(found) == ["with planner mine_of_one", "with prey circle_of_one"]
     assert set(found.values()) == {hashlib.sha256((tmp_path / "one" / "own.py").read_bytes()).hexdigest()}
 
@@ -86,3 +87,57 @@ def test_a_wrong_plugin_is_one_line(tmp_path, text, message):
         path.write_text(text)
     with pytest.raises(InputError, match=message):
         load_plugin(path)
+
+
+def written(folder, **files):
+    """Write Python files, a dot in whose names is a folder; return the folder."""
+    for name, text in files.items():
+        path = folder.joinpath(*name.split("__")).with_suffix(".py")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder
+
+
+def test_the_modules_that_a_plugin_imports_from_its_folder_are_found(tmp_path):
+    written(
+        tmp_path,
+        own="import numpy, helper\ndef late():\n    from tools.deep import thing\nimport bayeshunt",
+        helper="import json\nfrom second import x",
+        second="import own",
+        tools__init="", tools__deep="from . import sibling", tools__sibling="", unused="",
+        bayeshunt="raise SystemExit  # not what is meant",
+    )  # fmt: skip
+    (tmp_path / "tools" / "init.py").rename(tmp_path / "tools" / "__init__.py")
+    found = [path.relative_to(tmp_path).as_posix() for path in imported_files(tmp_path / "own.py")]
+    assert found == ["helper.py", "second.py", "tools/__init__.py", "tools/deep.py", "tools/sibling.py"]
+
+
+def test_a_package_is_found_by_its_own_name_and_a_file_that_python_cannot_read_imports_nothing(tmp_path):
+    written(tmp_path, pack__init="", pack__own="from pack.tools import x\nimport other", pack__tools="(", other="")
+    (tmp_path / "pack" / "init.py").rename(tmp_path / "pack" / "__init__.py")
+    found = [path.relative_to(tmp_path).as_posix() for path in imported_files(tmp_path / "pack" / "own.py")]
+    assert found == ["other.py", "pack/__init__.py", "pack/tools.py"]
+
+
+def test_beside_an_installed_plugin_nothing_else_that_is_installed_counts(tmp_path, monkeypatch):
+    written(tmp_path, own="import other, pack.tools", other="", pack__own="from pack import tools", pack__tools="")
+    (tmp_path / "pack" / "__init__.py").touch()
+    monkeypatch.setattr("bayeshunt.experiments.sources._installed", lambda: {tmp_path})
+    assert imported_files(tmp_path / "own.py") == []
+    found = [path.name for path in imported_files(tmp_path / "pack" / "own.py")]
+    assert found == ["__init__.py", "tools.py"]
+
+
+def test_results_of_a_changed_helper_of_a_plugin_are_not_mixed(tmp_path, khepera_model, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "speeds_of_a_helper.py").write_text("SPEED = 0.02\n")
+    text = PLUGIN.format(jobs="helped").replace("0.02, 0.5", "SPEED, 0.5")
+    (tmp_path / "own.py").write_text("from speeds_of_a_helper import SPEED\n" + text)
+    load_plugin(tmp_path / "own.py")
+    settings = bh.load_experiment("paper", {"prey.behaviour": "circle_of_helped", "protocol.thetas": [1.0]})
+    what = {"runs": 1, "planners": "reactive", "arenas": "open", "model": khepera_model, "out": tmp_path / "out"}
+    frame = bh.evaluate(settings, **what)
+    assert bh.evaluate(settings, **what).equals(frame)
+    (tmp_path / "speeds_of_a_helper.py").write_text("SPEED = 0.03\n")
+    with pytest.raises(ResultsError, match=r"SHA-256 of the file speeds_of_a_helper\.py of prey circle_of_helped is"):
+        bh.evaluate(settings, **what)

@@ -1,0 +1,71 @@
+"""What belongs to an evaluation: every library that can change a hunt, and only what was noted is held against it."""
+
+import ast
+from dataclasses import replace
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+import bayeshunt
+from bayeshunt.experiments import identity
+from bayeshunt.experiments.identity import LIBRARIES, Identity
+from bayeshunt.settings import load_experiment
+
+PACKAGE = Path(bayeshunt.__file__).parent
+#: What the rooms below the experiments import and what changes no number: checks of settings, files.
+HARMLESS = {"pyarrow", "pydantic", "pydantic_core"}
+
+
+def distributions_below_the_experiments():
+    """The distribution of every library that anything a hunt rests on imports, anywhere in a file."""
+    above = [PACKAGE / room for room in ("experiments", "views", "cli")]
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        if not any(path.is_relative_to(room) for room in above):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Import):
+                    found |= {alias.name.split(".")[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.module:
+                    found.add(node.module.split(".")[0])
+    owners = packages_distributions()
+    return {owner.lower() for name in found for owner in owners.get(name, ())}
+
+
+def test_every_library_that_a_hunt_rests_on_belongs_to_it():
+    assert distributions_below_the_experiments() - HARMLESS | {"bayeshunt"} == set(LIBRARIES)
+
+
+@pytest.fixture
+def evaluation():
+    return Identity.of(load_experiment("paper"), ["reactive"], ["open"], 0, None)
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+def test_another_version_of_a_library_is_another_evaluation(evaluation, monkeypatch, library):
+    real = identity._version
+    monkeypatch.setattr(identity, "_version", lambda name: "0.0.1" if name == library else real(name))
+    other = Identity.of(load_experiment("paper"), ["reactive"], ["open"], 0, None)
+    assert evaluation.difference(other) == f"version of {library} is {real(library)} there and 0.0.1 here"
+
+
+def test_a_folder_that_noted_fewer_libraries_and_files_goes_on(evaluation):
+    here = replace(evaluation, files={"with planner mine": "a" * 64, "helper.py of planner mine": "b" * 64})
+    noted = {name: here.versions[name] for name in ("bayeshunt", "box2d", "numpy")}
+    older = replace(here, versions=noted, files={"with planner mine": "a" * 64})
+    assert older.difference(here) is None
+    assert older.difference(replace(here, versions={**here.versions, "numpy": "0.1"})).startswith("version of numpy")
+    assert "planner mine is" in older.difference(replace(here, files={**here.files, "with planner mine": "c" * 64}))
+    newer = replace(here, files=older.files)  # which noted every library, and so would have noted the helper
+    assert "helper.py of planner mine is not given there and bbb" in newer.difference(here)
+
+
+def test_the_hash_of_an_older_record_stays(evaluation):
+    """It salts the checksum of every hunt in the folder: another one would call them all damaged."""
+    record = {**evaluation.to_dict(), "versions": {"bayeshunt": "0.1.0", "box2d": "2.3.10", "numpy": "2.0.0"}}
+    record |= {"settings": {}, "files": {}, "model": "m"}
+    assert Identity.from_dict(record).hash == "68518a5977fa5f3fedd375b6cfdb95a638d1f489e6e7791f550d3779050d906d"
+
+
+def test_a_worker_without_a_library_says_so():
+    assert identity._version("no-such-distribution") == "not installed"
