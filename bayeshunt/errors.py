@@ -6,6 +6,8 @@ and with 1 for any other :class:`BayesHuntError`.
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class BayesHuntError(Exception):
     """Base class of every error raised on purpose by bayeshunt."""
@@ -49,3 +51,10 @@ class ZeroCountError(BayesHuntError, ValueError):
 
 class NothingObservedError(BayesHuntError, ValueError):
     """A prediction was asked of an online model that has not observed anything yet."""
+
+
+def shown(value: Any) -> str:
+    """Return what an error says of ``value``, in one line: plain values as they are written, others by their type."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return repr(value)
+    return f"a value of type {type(value).__name__}"

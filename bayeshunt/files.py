@@ -8,8 +8,9 @@ import shlex
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-from bayeshunt.errors import BayesHuntError, InputError
+from bayeshunt.errors import BayesHuntError, InputError, shown
 
 
 @contextlib.contextmanager
@@ -45,7 +46,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     Raises InputError unless it is a regular file or not there yet: a device, a pipe or a folder would be
     lost; BayesHuntError if that cannot be found out.
     """
-    target = Path(os.path.realpath(path))
+    target = Path(os.path.realpath(check_path(path, "the name of a file to write", InputError)))
     try:
         folder = target.is_dir()
         regular = target.is_file() or not (target.exists() or target.is_symlink())
@@ -58,20 +59,26 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def check_source(path: str | os.PathLike[str], command: str, error: type[InputError]) -> None:
-    """Raise ``error`` in one line unless ``path`` is a file that can be read.
+def check_path(path: Any, expected: str, error: type[InputError]) -> str:
+    """Return the text of a path; raise ``error`` if it is none. ``expected`` says in words what would be."""
+    if not isinstance(path, (str, os.PathLike)):  # a setting may hold anything, and a number is an open file
+        raise error(f"expected {expected}; got {shown(path)}")
+    return os.fspath(path)
+
+
+def check_source(path: str | os.PathLike[str], command: str, error: type[InputError]) -> str:
+    """Return the name of a file that can be read; raise ``error`` in one line if ``path`` is none.
 
     command: the one that makes such files with ``--out``; it is suggested with this name only if
     there is nothing that it would overwrite.
     """
-    if not isinstance(path, (str, os.PathLike)):  # a setting may hold anything
-        raise error(f"expected the name of a file made by: {command}; got {path!r}")
-    name = os.fspath(path)
+    name = check_path(path, f"the name of a file made by: {command}", error)
     if not os.path.lexists(path):
         raise error(f"{name}: no such file; make one with: {command} --out {shlex.quote(name)}")
     if not Path(path).is_file():
         kind = "is a folder" if Path(path).is_dir() else "is not a regular file"
         raise error(f"{name}: {kind}; give a file made by: {command}")
+    return name
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -47,9 +47,10 @@ class ImportedModel(ForwardModel):
         conditions: Mapping[str, str] | None = None,
     ) -> ImportedModel:
         """Return the model of these tables; with the gait before as a cause ``structure`` is PREVIOUS_GAIT."""
-        for values in given.values():
+        tables = {name: np.array(values, dtype=float) for name, values in given.items()}  # the caller's may change
+        for values in tables.values():
             values.setflags(write=False)
-        return cls(JointCounts.empty(gaits, axes), structure=structure, given=given, conditions=conditions or {})
+        return cls(JointCounts.empty(gaits, axes), structure=structure, given=tables, conditions=conditions or {})
 
     @property
     def known(self) -> Mapping[str, str]:  # type: ignore[override]

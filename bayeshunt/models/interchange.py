@@ -12,7 +12,7 @@ import pandas as pd
 
 from bayeshunt.axes import EFFECTS, Axis, EffectAxes
 from bayeshunt.errors import InputError
-from bayeshunt.files import write_text
+from bayeshunt.files import check_path, write_text
 from bayeshunt.gaits import GaitRepertoire
 from bayeshunt.models import network, xmlbif
 from bayeshunt.models.imported import ImportedModel
@@ -35,9 +35,9 @@ def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]
     those three columns are empty. Numbers are written in full. Where the gait before is a cause, the
     effects' tables start with a column previous_gait.
     """
-    paths = []
+    place, paths = Path(check_path(folder, "the name of a folder", InputError)), []
     for variable in network.VARIABLES:
-        path = Path(folder) / f"{variable.lower()}.csv"
+        path = place / f"{variable.lower()}.csv"
         write_text(path, cells(model, variable).to_csv(index=False, lineterminator="\n"))
         paths.append(path)
     return paths
@@ -104,12 +104,12 @@ def open_model(path: str | os.PathLike[str], gaits: GaitRepertoire | None = None
 
 def is_network(path: str | os.PathLike[str]) -> bool:
     """Return whether a file's name ends as those of networks do."""
-    return Path(path).suffix.lower() in KINDS
+    return Path(check_path(path, "the name of a model file or of a network", InputError)).suffix.lower() in KINDS
 
 
 def _open(path: str | os.PathLike[str]) -> tuple[Any, dict[str, list[str]]]:
     """The pgmpy network in a file, and the labels of its states in the file's order."""
-    name = os.fspath(path)
+    name = check_path(path, f"the name of a network ({', '.join(KINDS)})", InputError)
     found = _read(Path(path), name)
     _check_variables(found, name)
     return found, _labels(found, Path(path), name)
@@ -203,11 +203,20 @@ def _width(labels: list[str], name: str) -> float:
 
 
 def _positions(labels: list[str], wanted: tuple[str, ...], variable: str, name: str) -> list[int]:
-    """Where each wanted state stands in the file: by name, or in order if the names are others."""
+    """Where each wanted state stands in the file: by name, or in order if the names are others.
+
+    Names that are only partly ours must stand where ours do: a misspelt one would give them all other tables.
+    """
     if len(labels) != len(wanted):
         raise InputError(f"{name}: {variable} has {len(labels)} states; expected {len(wanted)}")
     if set(labels) == set(wanted):
         return [labels.index(label) for label in wanted]
+    if any(label in wanted and wanted.index(label) != place for place, label in enumerate(labels)):
+        ours, theirs = (next(s for s in one if s not in other) for one, other in ((wanted, labels), (labels, wanted)))
+        raise InputError(
+            f"{name}: {variable}: the state {ours!r} is not in the file, which has {theirs!r}, and the others stand "
+            f"in another order there; give the names of the file"
+        )
     return list(range(len(wanted)))
 
 

@@ -62,8 +62,7 @@ class ReferenceTable:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> ReferenceTable:
         """Read a table; ModelFileError in one line if the file is missing, damaged or something else."""
-        name = os.fspath(path)
-        check_source(path, _MAKER, ModelFileError)
+        name = check_source(path, _MAKER, ModelFileError)
         try:
             with np.load(path, allow_pickle=False) as stored:
                 text, checksum = str(stored["head"]), str(stored["checksum"])
@@ -78,9 +77,20 @@ class ReferenceTable:
             raise ModelFileError(f"{name}: the checksum does not match, the file is damaged; make it again")
         for array in arrays.values():
             array.setflags(write=False)
-        grid = Grid(arrays["distances"], *arrays["values"].shape[1:])
-        chase = Chase(arrays["hunter"], arrays["prey"], head["duration"], head["reach"], head["closing"])
-        return cls(arrays["values"], grid, chase, tuple(head["gaits"]), head["facts"])
+        try:
+            return cls._from_record(head, arrays)
+        except (KeyError, TypeError, ValueError):
+            raise ModelFileError(f"{name}: malformed content; give a file made by: {_MAKER}") from None
+
+    @classmethod
+    def _from_record(cls, head: dict[str, Any], arrays: dict[str, np.ndarray]) -> ReferenceTable:
+        values, distances, hunter, prey = (arrays[key] for key in _ARRAYS)
+        motion = (float(head[key]) for key in ("duration", "reach", "closing"))
+        gaits, facts = tuple(map(str, head["gaits"])), dict(head["facts"])
+        shapes = values.ndim == 3, len(distances) == len(values), hunter.shape == (len(gaits), *prey.shape)
+        if not all(shapes) or prey.shape[2:] != (3,):
+            raise ValueError("the arrays do not fit together")
+        return cls(values, Grid(distances, *values.shape[1:]), Chase(hunter, prey, *motion), gaits, facts)
 
 
 class Reference(Shown):

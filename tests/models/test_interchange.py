@@ -13,6 +13,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.models import interchange, xmlbif
+from bayeshunt.models.imported import ImportedModel
 
 gum = pytest.importorskip("pyagrum")
 
@@ -96,6 +97,28 @@ def test_states_in_another_order_are_put_in_ours(pair, tmp_path: Path) -> None:
     np.testing.assert_allclose(turned.probabilities("Gait")[::-1], model.probabilities("Gait"), atol=1e-12)
     expected = model.probabilities("Angle")[::-1, ::-1]
     np.testing.assert_allclose(turned.probabilities("Angle"), expected, rtol=0, atol=1e-12)
+
+
+def test_names_that_only_partly_agree_are_not_taken_in_order(tmp_path: Path) -> None:
+    """One misspelt name among names in another order would give every gait another gait's table."""
+    wanted = ("right", "left", "go")
+    assert interchange._positions(["go", "left", "right"], wanted, "Gait", "net.xml") == [2, 1, 0]
+    assert interchange._positions(["g0", "g1", "g2"], wanted, "Gait", "net.xml") == [0, 1, 2]  # all other names
+    assert interchange._positions(["right", "left", "gogo"], wanted, "Gait", "net.xml") == [0, 1, 2]  # one renamed
+    says = r"^net\.xml: Gait: the state 'go' is not in the file, which has 'goo', and the others stand in another order"
+    with pytest.raises(bh.InputError, match=says):
+        interchange._positions(["goo", "left", "right"], wanted, "Gait", "net.xml")
+
+
+def test_the_tables_given_stay_the_callers(pair) -> None:
+    model, _ = pair
+    given = {name: table.copy() for name, table in model.local_tables.items()}
+    imported = ImportedModel.of(model.gaits, model.axes, model.structure, given)
+    before = imported.probabilities("Gait").copy()
+    assert all(table.flags.writeable for table in given.values())
+    given["Gait"][:] = 7.0
+    np.testing.assert_array_equal(imported.probabilities("Gait"), before)
+    assert not imported.given["Gait"].flags.writeable
 
 
 def test_without_a_label_map_the_bins_must_be_given(pair, tmp_path: Path) -> None:

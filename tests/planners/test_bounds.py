@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from planner_cases import BODY, STEP, situations
 
 from bayeshunt.errors import InputError, ModelFileError
 from bayeshunt.geometry import Polar
+from bayeshunt.planners import reference
 from bayeshunt.planners.base import Future
 from bayeshunt.planners.check import check_planner
 from bayeshunt.planners.limits import KinematicLimit
@@ -172,6 +174,38 @@ def test_a_damaged_reference_table_is_refused(table, tmp_path, place):
     content[int(place * len(content))] ^= 0xFF
     path.write_bytes(bytes(content))
     with pytest.raises(ModelFileError, match=r"table\.npz: .*(make it again|made by: bayeshunt reference)"):
+        ReferenceTable.load(path)
+
+
+def drop_duration(head, arrays):
+    del head["duration"]
+
+
+def spell_duration(head, arrays):
+    head["duration"] = "long"
+
+
+def drop_a_gait(head, arrays):
+    head["gaits"].pop()
+
+
+def flatten_values(head, arrays):
+    arrays["values"] = arrays["values"].ravel()
+
+
+@pytest.mark.parametrize("spoil", [drop_duration, spell_duration, drop_a_gait, flatten_values])
+def test_a_reference_table_of_other_content_is_refused(table, tmp_path, spoil):
+    """The checksum is sound: somebody wrote such a file, and it is still no reference table."""
+    path = tmp_path / "table.npz"
+    table.save(path)
+    with np.load(path) as stored:
+        head, arrays = json.loads(str(stored["head"])), {key: stored[key] for key in reference._ARRAYS}
+    spoil(head, arrays)
+    text = json.dumps(head)
+    np.savez(path, head=np.array(text), checksum=np.array(reference._checksum(text, arrays)), **arrays)
+    with pytest.raises(
+        ModelFileError, match=r"table\.npz: malformed content; give a file made by: bayeshunt reference"
+    ):
         ReferenceTable.load(path)
 
 
