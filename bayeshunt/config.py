@@ -223,7 +223,7 @@ class ExperimentSettings(ShownSettings):
 
     def check_arena(self, name: str) -> None:
         """Raise ConfigError unless there is an arena ``name`` in which the prey does not start in a wall."""
-        if name not in self.arenas:
+        if not isinstance(name, str) or name not in self.arenas:
             raise ConfigError(f"unknown arena {name!r}; expected one of {', '.join(self.arenas)}")
         arena = self.arenas[name]
         reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter

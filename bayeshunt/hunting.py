@@ -10,12 +10,12 @@ import math
 import os
 from collections.abc import Iterator
 from dataclasses import replace
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import check_kind, check_number, check_whole
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.episode import Episode, Step
 from bayeshunt.errors import InputError
@@ -103,7 +103,7 @@ class _Trial:
         self, settings: ExperimentSettings, arena: str, theta: float, seed: int,
         prey_model: PreyModel | None, trail: list[Moment] | None,
     ) -> None:  # fmt: skip
-        _check(settings, arena, theta, seed)
+        _check(settings, arena, theta, seed, prey_model)
         self.settings = settings
         self.trail = trail
         body_length = settings.robot.body.diameter
@@ -204,9 +204,9 @@ def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
     )
 
 
-def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int) -> None:
+def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: PreyModel | None) -> None:
     settings.check_arena(arena)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
-    if isinstance(theta, bool) or not isinstance(theta, Real) or not math.isfinite(theta):
-        raise InputError(f"theta: expected a finite number of radians, got {theta!r}")
+    check_whole(seed, "seed", 0)
+    check_number(theta, "theta", "a finite number of radians")
+    if prey_model is not None:
+        check_kind(prey_model, "prey_model", PreyModel, "a PreyModel or None")

@@ -12,6 +12,7 @@ PACKAGE = Path(__file__).parent.parent / "bayeshunt"
 #: Room -> (floor, place on the floor). Imports go to a lower floor or to an earlier place on the same one.
 ROOMS = {
     "errors": (0, 0),
+    "checks": (0, 1),
     "files": (0, 1),
     "sealed": (0, 2),
     "geometry": (0, 1),

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bayeshunt import dataset, sealed
+from bayeshunt.checks import check_whole
 from bayeshunt.config import PhysicsSettings, RobotSettings
 from bayeshunt.errors import DataError, InputError
 from bayeshunt.experiments import workers
@@ -25,7 +26,7 @@ from bayeshunt.experiments.lock import LOCK_FILE, FolderLock
 from bayeshunt.experiments.store import check_output_folder
 from bayeshunt.files import check_target
 from bayeshunt.settings import load_robot
-from bayeshunt.world.babbling import babble, check_whole, provenance
+from bayeshunt.world.babbling import babble, provenance
 
 #: Rows of a shard; a table of no more rows is one stream and comes from :func:`bayeshunt.babble` itself.
 SHARD_ROWS = sealed.ROW_GROUP

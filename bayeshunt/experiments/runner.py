@@ -11,9 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
+from bayeshunt.checks import check_kind, check_whole
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError, ResultsError
 from bayeshunt.experiments import workers
@@ -71,7 +71,7 @@ def evaluate(
     settings = experiment_settings(experiment, runs)
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
-    _check_seed(seed)
+    check_whole(seed, "seed", 0)
     planners = _names(planners, settings.planners)
     arenas = _names(arenas, tuple(settings.arenas))
     tasks = plan_hunts(settings, planners, arenas, seed)
@@ -182,7 +182,8 @@ def experiment_settings(
 
 
 def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
-    """Raise InputError unless the model's gaits are the robot's."""
+    """Raise InputError unless it is a model and its gaits are the robot's."""
+    check_kind(model, "model", ForwardModel, "a ForwardModel")
     if model.gaits.names != settings.robot.gaits.names:
         raise InputError(
             f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
@@ -216,11 +217,6 @@ check_jobs = workers.check_jobs
 def _names(given: str | Sequence[str] | None, default: Sequence[str]) -> tuple[str, ...]:
     """One name, several, or the settings' own."""
     return (given,) if isinstance(given, str) else tuple(given or default)
-
-
-def _check_seed(seed: Any) -> None:
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InputError(f"seed: expected a whole number of at least 0, got {seed!r}")
 
 
 def _ignore(_: Any) -> None:

@@ -8,6 +8,7 @@ Letters: G gaits, K bins of a variable, P part-way poses of a gait.
 
 from __future__ import annotations
 
+import copy
 import math
 import os
 from collections.abc import Iterable, Mapping
@@ -21,6 +22,7 @@ import pandas as pd
 
 from bayeshunt import dataset, displays, tables
 from bayeshunt.axes import EFFECTS, EffectAxes
+from bayeshunt.checks import check_generator, check_whole
 from bayeshunt.errors import DataError, InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Polar
@@ -66,6 +68,7 @@ class ForwardModel(OpenTables):
         if not (math.isfinite(prior) and prior >= 0):
             raise InputError(f"prior is {prior}; expected a finite pseudo-count >= 0")
         object.__setattr__(self, "prior", float(prior))
+        object.__setattr__(self, "provenance", copy.deepcopy(dict(self.provenance)))  # the caller's may change
         if self.gait_prior not in GAIT_PRIORS:
             raise InputError(f"gait_prior is {self.gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
         self._check_structure()
@@ -251,8 +254,8 @@ class ForwardModel(OpenTables):
         independently; in any structure they are uniform within each bin.
         """
         index = self.gaits.index(gait)
-        if n < 0:
-            raise InputError(f"n is {n}; expected a number of samples >= 0")
+        check_whole(n, "n", 0)
+        check_generator(rng)
         return self._effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
 
     def outcomes(self, uniforms: np.ndarray) -> Polar:

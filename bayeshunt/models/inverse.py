@@ -14,7 +14,8 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt import displays
-from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError
+from bayeshunt.checks import check_kind, check_number, check_numbers
+from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
 from bayeshunt.gaits import Gait
 from bayeshunt.geometry import wrap
 from bayeshunt.models.forward import ForwardModel
@@ -40,6 +41,7 @@ class InverseModel:
     """
 
     def __init__(self, model: ForwardModel) -> None:
+        check_kind(model, "model", ForwardModel, "a ForwardModel")
         self._cells = model.learned_cells  # [M, 2], sorted
         if not len(self._cells):
             raise ZeroCountError("the forward model has counted nothing, so it has no inverse; babble first")
@@ -86,7 +88,10 @@ class InverseModel:
         Raises InputError for a number out of range, and with ``snap=False``
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
         """
-        d, a = float(distance), float(angle)
+        try:
+            d, a = float(distance), float(angle)
+        except (TypeError, ValueError):  # no check beforehand: this is the innermost loop of a hunt
+            raise InputError(f"target: expected two numbers, got {shown(distance)} and {shown(angle)}") from None
         if not (0.0 <= d <= FARTHEST and -_INF < a < _INF):
             raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
@@ -106,7 +111,11 @@ class InverseModel:
         distances [m] >= 0 and angles [rad clockwise]: arrays [N], or a scalar beside an array.
         Raises InputError for a number out of range.
         """
-        d, a = np.broadcast_arrays(np.asarray(distances, dtype=float), np.asarray(angles, dtype=float))
+        d, a = check_numbers(distances, "distances"), check_numbers(angles, "angles")
+        try:
+            d, a = np.broadcast_arrays(d, a)
+        except ValueError:
+            raise InputError(f"targets: {d.size} distances and {a.size} angles; expected as many of both") from None
         d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
         if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and a.min() > -_INF and a.max() < _INF):
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
@@ -175,9 +184,7 @@ class InverseModel:
     def _careful(self, found: Posterior, snap: bool) -> Posterior:
         """The answer when a heading is given or snapping is forbidden; ``found`` has the cell used."""
         source, d, a, heading, snapped = found
-        if heading is not None and not math.isfinite(heading):
-            raise InputError(f"target heading {heading}: expected a finite angle [rad]")
-        h = None if heading is None else float(heading)
+        h = None if heading is None else check_number(heading, "target heading", "a finite angle [rad]")
         axes = self.model.axes
         h_bin = None if h is None else axes.heading.index(h)
         if not snap:

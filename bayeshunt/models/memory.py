@@ -160,8 +160,7 @@ class PreyMemory:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PreyMemory:
         """Read a memory; ModelFileError in one line if the file is missing, damaged or something else."""
-        check_source(path, _MAKER, ModelFileError)
-        name = os.fspath(path)
+        name = check_source(path, _MAKER, ModelFileError)
         try:
             outer = json.loads(Path(path).read_text(encoding="utf-8"))
             body, checksum = outer["memory"], outer["checksum"]

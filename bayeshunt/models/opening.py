@@ -10,6 +10,7 @@ import pandas as pd
 
 from bayeshunt import tables
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import check_number
 from bayeshunt.errors import InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models import network
@@ -18,6 +19,8 @@ from bayeshunt.models.table import ProbabilityTable
 if TYPE_CHECKING:
     from bayeshunt.models.counts import JointCounts
     from bayeshunt.models.rows import CountedRows
+
+_LEVEL = "a probability between 0 and 1"
 
 
 class OpenTables:
@@ -82,8 +85,8 @@ class OpenTables:
         level: probability inside the interval, in (0, 1). With prior 0, the Jeffreys interval.
         """
         self._check_variable(variable)
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level is {level}; expected a probability between 0 and 1")
+        if not 0.0 < check_number(level, "level", _LEVEL) < 1.0:
+            raise InputError(f"level: expected {_LEVEL}, got {level}")
         counts = self.joint.marginal(variable)
         column = counts[:, None] if variable == "Gait" else counts
         low, high = tables.credible_interval(column, self.prior, level=level)

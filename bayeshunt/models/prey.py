@@ -15,6 +15,7 @@ import pandas as pd
 
 from bayeshunt import displays, tables
 from bayeshunt.axes import EFFECTS, EffectAxes
+from bayeshunt.checks import check_generator, check_whole
 from bayeshunt.errors import InputError, NothingObservedError
 from bayeshunt.geometry import Polar, wrap
 from bayeshunt.models.counts import MAX_DISTANCE_BINS
@@ -44,7 +45,10 @@ class PreyModel:
 
         Raises InputError unless distance [m] >= 0 and all three numbers are finite.
         """
-        distance, angle, heading = (float(part) for part in transition)
+        try:
+            distance, angle, heading = (float(part) for part in transition)
+        except (TypeError, ValueError):
+            raise InputError(f"prey transition: expected a Polar of three numbers, got {transition!r}") from None
         if not (0.0 <= distance < math.inf and math.isfinite(angle) and math.isfinite(heading)):
             raise InputError(
                 f"prey transition ({distance}, {angle}, {heading}): expected distance >= 0 and finite angles"
@@ -125,8 +129,9 @@ class PreyModel:
         Every step is drawn from the counts, independently, at its cell's centre; index 0 is the
         present pose. Raises NothingObservedError before the first observation.
         """
-        _check_whole(steps, "steps")
-        _check_whole(n, "n")
+        check_whole(steps, "steps", 0)
+        check_whole(n, "n", 0)
+        check_generator(rng)
         self._check_seen()
         cells, counts = self._table()
         reach = np.cumsum(counts)
@@ -218,7 +223,7 @@ class PreyModel:
 
     def _iterate(self, steps: int) -> tuple[list[float], list[float], list[float]]:
         """Distances, angles and headings 0 to ``steps`` ahead under the mean transition."""
-        _check_whole(steps, "steps")
+        check_whole(steps, "steps", 0)
         stride, turn = self._mean()
         # With clockwise angles, x = forward and y = right, composing poses is complex multiplication.
         rotation = cmath.exp(1j * turn)
@@ -246,8 +251,3 @@ class PreyModel:
         axes = self.axes.extended(int(cells[:, 0].max()) + 1 if len(cells) else 1)
         names = [[axis.labels[i] for i in column] for axis, column in zip(axes, cells.T, strict=True)]
         return pd.MultiIndex.from_arrays(names, names=list(EFFECTS))
-
-
-def _check_whole(value: int, name: str) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 0:
-        raise InputError(f"{name} is {value!r}; expected a whole number >= 0")

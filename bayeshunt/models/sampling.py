@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import check_numbers
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar, wrap
 
@@ -36,7 +37,7 @@ def draw(axes: EffectAxes, columns: tuple[np.ndarray, ...], uniforms: np.ndarray
 
 def check_uniforms(uniforms: np.ndarray) -> np.ndarray:
     """Return ``uniforms`` as float64 [..., 6]; raises InputError unless all lie in [0, 1)."""
-    draws = np.asarray(uniforms, dtype=float)
+    draws = check_numbers(uniforms, "uniforms")
     if draws.ndim < 1 or draws.shape[-1] != UNIFORMS or not np.all((draws >= 0) & (draws < 1)):
         raise InputError(f"uniforms must be an array [..., {UNIFORMS}] of numbers in [0, 1)")
     return draws

@@ -57,8 +57,7 @@ def load(path: str | os.PathLike[str]) -> ForwardModel:
     Raises ModelFileError in one line: missing, unreadable, not JSON, another kind of file, a newer
     format, edited (checksum), or malformed.
     """
-    name = os.fspath(path)
-    check_source(path, MAKER, ModelFileError)
+    name = check_source(path, MAKER, ModelFileError)
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:

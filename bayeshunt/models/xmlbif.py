@@ -16,7 +16,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from bayeshunt.files import write_text
+from bayeshunt.errors import InputError
+from bayeshunt.files import check_path, write_text
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
@@ -35,7 +36,7 @@ def safe_labels(model: ForwardModel) -> dict[str, dict[str, str]]:
 
 def labels_path(path: str | os.PathLike[str]) -> Path:
     """Return where the label map of an export at ``path`` lies."""
-    return Path(f"{os.fspath(path)}.labels.json")
+    return Path(check_path(path, "the name of a file", InputError) + ".labels.json")
 
 
 def write(model: ForwardModel, path: str | os.PathLike[str]) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt import displays
+from bayeshunt.checks import check_generator, check_kind
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Polar, Pose
 
@@ -184,10 +185,8 @@ class Shown:
 
 def check_request(situation: Situation, rng: np.random.Generator) -> None:
     """Raise InputError unless a planner was given a situation and a generator."""
-    if not isinstance(situation, Situation):
-        raise InputError(f"plan() needs a Situation, got {type(situation).__name__}")
-    if not isinstance(rng, np.random.Generator):
-        raise InputError(f"rng must be a numpy.random.Generator, got {type(rng).__name__}")
+    check_kind(situation, "situation", Situation, "a Situation")
+    check_generator(rng)
 
 
 def predict_prey(situation: Situation, steps: int) -> tuple[Polar, bool]:

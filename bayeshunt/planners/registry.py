@@ -8,6 +8,7 @@ import inspect
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
+from bayeshunt.checks import check_kind
 from bayeshunt.errors import InputError
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.base import Planner
@@ -97,6 +98,7 @@ def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
     for setting in settings if accepted is not None else ():
         if setting not in accepted:  # type: ignore[operator]
             raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, accepted)}")
+    check_kind(model, f"planner {name!r}", ForwardModel, "a ForwardModel to plan with")
     return factory(model, **settings)
 
 

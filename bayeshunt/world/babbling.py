@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.checks import check_whole
 from bayeshunt.config import PhysicsSettings, RobotSettings
 from bayeshunt.dataset import PROVENANCE_KEY, path_column_names
-from bayeshunt.errors import InputError
 from bayeshunt.geometry import Pose
 from bayeshunt.settings import load_robot
 from bayeshunt.world.arena import new_world
@@ -130,9 +130,3 @@ def provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed:
             "python": platform.python_version(),
         },
     }
-
-
-def check_whole(value: Any, name: str, least: int) -> None:
-    """Raise InputError unless ``value`` is a whole number of at least ``least``."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(f"{name}: expected a whole number of at least {least}, got {value!r}")

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from bayeshunt.checks import check_whole
 from bayeshunt.config import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.dataset import PROVENANCE_KEY
 from bayeshunt.world.arena import build_walls, new_world
-from bayeshunt.world.babbling import check_whole, interval_steps, provenance
+from bayeshunt.world.babbling import interval_steps, provenance
 from bayeshunt.world.bodies import build_drive
 
 

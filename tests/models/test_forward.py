@@ -287,12 +287,13 @@ def test_using_a_model_never_imports_pgmpy(model: ForwardModel, tmp_path, worker
     assert worker(model) == model
 
 
-class _Given:
+class _Given(np.random.Generator):
     """A stand-in generator that hands out given numbers."""
 
     def __init__(self, numbers: np.ndarray) -> None:
+        super().__init__(np.random.PCG64(0))
         self.numbers = numbers
 
-    def random(self, size: tuple[int, int]) -> np.ndarray:
+    def random(self, size: tuple[int, int]) -> np.ndarray:  # type: ignore[override]
         assert size == self.numbers.shape
         return self.numbers
