@@ -16,7 +16,7 @@ from bayeshunt.config import ArenaSettings, PreySettings
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import wrap
 from bayeshunt.world.noise import gaussians
-from bayeshunt.world.sensors import proximity
+from bayeshunt.world.sensors import KHEPERA_DIAMETER, proximity
 
 #: Braitenberg weights of the eight sensors on (left, right) wheel: Webots' Khepera controller.
 BRAITENBERG = ((-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5))
@@ -71,21 +71,26 @@ class Braitenberg:
     """Webots' Khepera obstacle avoider: straight ahead in free space, away from what its sensors see.
 
     ``wheel_i = sum_j M[j][i] (1 - s_j / 512)``, clipped to +-10 units; 3 units are the free speed.
+    A body of another size is a Khepera drawn to scale: its sensors sit where they do on a Khepera, and
+    reach as far as its settings say.
     """
 
     def __init__(self, context: Context) -> None:
-        self._range = context.settings.sensor_range
+        # The sensors see in the measure of a Khepera: every length is brought to it.
+        scale = self._scale = KHEPERA_DIAMETER / context.settings.body.diameter
+        self._range = context.settings.sensor_range * scale
         self._noise = context.settings.sensor_noise
-        self._walls = context.walls
-        self._hunter_radius = 0.5 * context.hunter_diameter if context.settings.senses_hunter else None
+        self._walls = None if context.walls is None else (context.walls[0] * scale, context.walls[1] * scale)
+        self._hunter_radius = 0.5 * context.hunter_diameter * scale if context.settings.senses_hunter else None
         self._metres_per_unit = context.settings.speed / sum(row[0] for row in BRAITENBERG)
         self._free = self._wheels([0.0] * 8)
         self._normals = gaussians(context.rng)
 
     def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
         """See :class:`Prey`."""
-        disc = None if self._hunter_radius is None else (hunter_x, hunter_y, self._hunter_radius)
-        values = proximity(x, y, theta, self._range, self._walls, disc)
+        scale = self._scale
+        disc = None if self._hunter_radius is None else (hunter_x * scale, hunter_y * scale, self._hunter_radius)
+        values = proximity(x * scale, y * scale, theta, self._range, self._walls, disc)
         if values is None:
             return self._free
         noise, normals = self._noise, self._normals

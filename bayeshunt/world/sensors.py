@@ -19,6 +19,8 @@ KHEPERA_SENSORS = (
     (0.009, -0.026, 270.0),
     (-0.009, -0.026, 270.0),
 )
+#: Diameter [m] of the robot that they are mounted on.
+KHEPERA_DIAMETER = 0.057
 #: Value of a sensor that touches an obstacle.
 MAX_VALUE = 1023.0
 

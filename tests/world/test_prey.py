@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from bayeshunt.config import ArenaSettings, NoiseSettings, PreySettings
+from bayeshunt.config import ArenaSettings, BodySettings, NoiseSettings, PreySettings
 from bayeshunt.errors import InputError
 from bayeshunt.geometry import Pose
 from bayeshunt.settings import load_experiment
@@ -68,6 +68,41 @@ def test_braitenberg_turns_away_from_a_wall_before_it_touches():
     path = track(PreySettings(behaviour="braitenberg", noise=QUIET, sensor_noise=0.0), seconds=20.0, walled=True)
     assert path[:, 0].max() < 0.6 - 0.0285 + 0.001
     assert abs(path[-1][2]) > 0.3
+
+
+@pytest.mark.parametrize("times", [0.5, 2.0, 3.5])
+def test_the_sensors_of_another_body_sit_where_a_kheperas_do(times):
+    """A world drawn to scale, in which everything is ``times`` as large, looks the same."""
+    pose, hunter = (0.55, 0.1, 0.4), (0.5, 0.14)
+    wheels = []
+    for scale in (1.0, times):
+        body = BodySettings(diameter=0.057 * scale)
+        settings = PreySettings(sensor_noise=0.0, senses_hunter=True, sensor_range=0.05 * scale, body=body)
+        arena = ArenaSettings(walled=True, width=1.2 * scale, height=1.2 * scale)
+        prey = build_prey(Context(settings, arena, 0.057 * scale, 0.064, np.random.default_rng(0)))
+        x, y, theta = pose
+        wheels.append(prey.act(x * scale, y * scale, theta, hunter[0] * scale, hunter[1] * scale))
+    assert wheels[0] != pytest.approx((0.048, 0.048), rel=0.1)  # it sees something
+    assert wheels[1] == pytest.approx(wheels[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("diameter", [0.057, 0.2])
+def test_a_body_of_any_size_leaves_the_wall(diameter):
+    """Sensors that end inside a body see the wall when it is touched, too late: it pushes along it for ever."""
+    body = BodySettings(diameter=diameter, axle=0.9 * diameter)
+    prey = PreySettings(noise=QUIET, sensor_noise=0.0, speed=0.06, body=body)
+    paper = load_experiment("paper")
+    arena = Arena(
+        paper.robot, prey, ArenaSettings(walled=True, width=3.0, height=3.0), paper.physics,
+        Streams(*(np.random.default_rng(k) for k in range(3))),
+        hunter_pose=Pose(-1.0, -1.0, 0.0), prey_pose=Pose(1.0, 0.0, 0.3), catch_distance=0.01,
+    )  # fmt: skip
+    moments = []
+    arena.run((0.0, 0.0), 30.0, moments)
+    path = np.array([m.prey for m in moments])
+    assert path[:, 0].max() > 1.35 - 0.5 * (diameter - 0.057)  # it came to the wall ...
+    assert path[:, 0].max() < 1.5 - 0.5 * diameter + 0.001
+    assert path[-1][0] < 1.3  # ... and went
 
 
 def test_braitenberg_sees_the_hunter_only_if_told_to():
