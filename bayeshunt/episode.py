@@ -142,7 +142,8 @@ class Episode:
         ``expected_*`` the prey model's mean transition after it; ``support`` (Int64) is missing where
         it was not asked or, in a network that was imported, is unknown.
         Lists: ``predicted_*`` and ``planned_*`` are the prey and the hunter 0..T steps ahead as the
-        hunter sees them; ``alternative_values`` the least value under each of ``alternative_gaits``;
+        hunter sees them (a heading is NaN where only the place is predicted);
+        ``alternative_values`` the least value under each of ``alternative_gaits``;
         ``prey_table`` the prey's [distance, angle, heading, count] per cell seen.
     trail: both robots' world poses every control interval.
     provenance: settings, planner, arena, theta, seed: what makes the hunt again.

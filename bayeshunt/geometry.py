@@ -19,19 +19,19 @@ _TWO_PI = 2.0 * math.pi
 
 
 def wrap(angle: Number) -> Number:
-    """Return ``angle`` [rad] wrapped to (-pi, pi]; a float for a float, an array for an array."""
+    """Return ``angle`` [rad] wrapped to (-pi, pi]; a float for a float, an array for an array; NaN stays NaN."""
     if isinstance(angle, float):
         if -math.pi < angle <= math.pi:
             return angle
         one = math.pi - (math.pi - angle) % _TWO_PI
-        return one if one > -math.pi else math.pi
+        return math.pi if one <= -math.pi else one
     values = np.asarray(angle, dtype=float)
     inside = (values > -np.pi) & (values <= np.pi)
     if inside.all():
         return values.copy() if values.ndim else float(values)
     wrapped = np.pi - np.mod(np.pi - values, _TWO_PI)
     # The modulo of a tiny negative number rounds up to 2 pi, which would give -pi.
-    wrapped = np.where(inside, values, np.where(wrapped > -np.pi, wrapped, np.pi))
+    wrapped = np.where(inside, values, np.where(wrapped <= -np.pi, np.pi, wrapped))
     return wrapped if wrapped.ndim else float(wrapped)
 
 

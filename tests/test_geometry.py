@@ -30,6 +30,14 @@ def test_wrap_stays_in_the_half_open_turn_and_keeps_the_direction(angle):
 def test_wrap_ends():
     assert wrap(math.pi) == math.pi
     assert wrap(-math.pi) == math.pi
+
+
+def test_what_is_not_known_stays_unknown():
+    assert math.isnan(wrap(math.nan))
+    np.testing.assert_array_equal(wrap(np.array([math.nan, 4.0])), [math.nan, 4.0 - 2 * math.pi])
+    seen = Polar.from_cartesian(0.3, 0.4, math.nan)
+    assert (seen.distance, math.isnan(seen.heading)) == (0.5, True)
+    assert math.isnan(Pose(0.0, 0.0, 1.0).compose(seen).theta)
     assert wrap(np.nextafter(-math.pi, -4)) <= math.pi
     np.testing.assert_array_equal(wrap(np.array([-math.pi, math.pi, 0.0])), [math.pi, math.pi, 0.0])
 

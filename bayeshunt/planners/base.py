@@ -105,13 +105,14 @@ class Plan:
     gait: name of the gait to execute now. gaits: the whole sequence, ``gaits[0] == gait``.
     value: what the decision was taken by; ``objective`` says what it is and in which unit.
     nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
-    target: where the hunter aims, as it sees it now.
+    target: where the hunter aims, as it sees it now; its heading is NaN where the prey's there is not known.
     evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
     support: babbling rows in that cell; None if not asked, or if unknown (an imported network).
     posterior: P(Gait | target) [G] in table order; None if not asked.
     prey_known: True if the decision rests on what the prey model has observed. False if the planner
         does not ask it, or if it is empty and the prey was taken to stand still.
-    predicted_prey: Polar of arrays [T + 1], the prey 0..T steps ahead as the hunter sees it now.
+    predicted_prey: Polar of arrays [T + 1], the prey 0..T steps ahead as the hunter sees it now; headings are
+        NaN where the planner predicts places only.
     """
 
     gait: str

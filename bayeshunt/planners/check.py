@@ -90,4 +90,4 @@ def _demand(planner: Planner, kept: bool, fault: str) -> None:
 def _same_arrays(one: Any, other: Any) -> bool:
     if one is None or other is None:
         return one is other
-    return np.array_equal(np.asarray(one), np.asarray(other))
+    return np.array_equal(np.asarray(one, dtype=float), np.asarray(other, dtype=float), equal_nan=True)

@@ -30,7 +30,8 @@ class PurePursuit(Shown):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the prey's present position."""
         check_request(situation, rng)
-        return self.steering.towards(float(situation.prey.forward), float(situation.prey.right))
+        prey = situation.prey
+        return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
 
 
 class ProportionalNavigation(Shown):
@@ -63,7 +64,7 @@ class ProportionalNavigation(Shown):
         steering, prey = self.steering, situation.prey
         ahead, right = float(prey.forward), float(prey.right)
         if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
-            return steering.towards(ahead, right, prey_known=False)
+            return steering.towards(ahead, right, heading=float(prey.heading))
         track = prey_track(situation)
         v_ahead = float(track.forward[-1] - track.forward[-2]) / situation.time_step - steering.top_speed
         v_right = float(track.right[-1] - track.right[-2]) / situation.time_step
@@ -108,7 +109,8 @@ class ConstantVelocity(Shown):
         """Return the gait towards the point of interception."""
         check_request(situation, rng)
         if not situation.transitions:
-            return self.steering.towards(float(situation.prey.forward), float(situation.prey.right))
+            prey = situation.prey
+            return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
         ahead, right, v_ahead, v_right = self._estimate(situation)
         reach = situation.body_length
         time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)

@@ -56,13 +56,18 @@ def capture_plan(
     paths: CapturePaths, gaits: tuple[str, ...], values: np.ndarray, prey: PreyPaths, situation: Situation,
     objective: str, *, prey_known: bool,
 ) -> Plan:  # fmt: skip
-    """Return the plan of the node of least value [N]; a tie goes to the shallower, then to table order."""
+    """Return the plan of the node of least value [N]; a tie goes to the shallower, then to table order.
+
+    Paths are places: of the predicted headings only the present one is known, the others are NaN.
+    """
     best = int(np.argmin(values))
     branch = path_to(paths, best)
     names = tuple(gaits[g] for g in paths.tree.gaits[branch[1:]])
     mean = PreyPaths(prey.forward.mean(axis=0, keepdims=True), prey.right.mean(axis=0, keepdims=True))
     steps = paths.points * np.arange(len(branch))
-    predicted = Polar.from_cartesian(mean.forward[0, steps], mean.right[0, steps], np.zeros(len(branch)))
+    headings = np.full(len(branch), np.nan)
+    headings[0] = situation.prey.heading
+    predicted = Polar.from_cartesian(mean.forward[0, steps], mean.right[0, steps], headings)
     return Plan(
         gait=names[0],
         gaits=names,

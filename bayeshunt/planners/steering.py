@@ -28,10 +28,13 @@ class Steering:
         self.reach = float(np.hypot(self.forward, self.right).max())
         self.top_speed = self.reach / model.gaits.duration
 
-    def towards(self, forward: float, right: float, *, prey_known: bool = False) -> Plan:
-        """Return the plan to execute the gait whose mean end is nearest to a point [m]; a tie goes to the first."""
+    def towards(self, forward: float, right: float, *, heading: float = math.nan, prey_known: bool = False) -> Plan:
+        """Return the plan to execute the gait whose mean end is nearest to a point [m]; a tie goes to the first.
+
+        heading: what the prey faces there [rad clockwise], NaN if that is not known.
+        """
         miss = np.hypot(self.forward - forward, self.right - right)
-        target = Polar.from_cartesian(forward, right, 0.0)
+        target = Polar.from_cartesian(forward, right, heading)
         return self.plan(miss, "distance from the gait's mean end to the point aimed at [m]", target, prey_known)
 
     def plan(self, values: np.ndarray, objective: str, target: Polar, prey_known: bool) -> Plan:

@@ -178,10 +178,11 @@ def _expected_path(gaits: list[str], model: ForwardModel | None, previous: str |
     return Polar(*(np.array(part) for part in zip(*poses, strict=True)))
 
 
-def _world_path(hunter: Pose, path: Polar | None) -> list[list[float]]:
+def _world_path(hunter: Pose, path: Polar | None) -> list[list[float | None]]:
     if path is None:
         return []
-    return np.stack(hunter.compose(path), axis=1).round(4).tolist()
+    poses = np.stack(hunter.compose(path), axis=1).round(4).tolist()
+    return [[x, y, theta if np.isfinite(theta) else None] for x, y, theta in poses]  # a heading may not be known
 
 
 def _world(hunter: Pose, seen: Polar | None) -> list[float] | None:

@@ -52,8 +52,10 @@ class Window(NamedTuple):
         return tag("g", bar, svg.text(end + 6, y + 1, name, faint=True))
 
     def robot(self, across: float, up: float, direction: float, colour: str, title: str, size: float = 8.0) -> Html:
-        """A robot as an arrowhead; ``direction`` in radians counter-clockwise from the right."""
+        """A robot as an arrowhead; ``direction`` in radians counter-clockwise from the right, NaN draws a disc."""
         x, y = self.at(across, up)
+        if math.isnan(direction):
+            return svg.disc(x, y, 0.6 * size, title, fill=colour)
         corners = [(size, 0.0), (size * 0.85, 2.55), (size * 0.35, math.pi), (size * 0.85, -2.55)]
         points = " ".join(
             f"{x + reach * math.cos(direction + turn):.1f},{y - reach * math.sin(direction + turn):.1f}"
@@ -100,6 +102,8 @@ def plan_map(plan: Plan) -> Html | None:
     window = Window.around(*zip(*places, strict=True), size=320)
     parts = [svg.line([window.at(x, y) for x, y in zip(right, ahead, strict=True)], stroke=svg.PREY, stroke_width=1.5)]
     shown = range(len(ahead)) if len(ahead) <= 25 else range(0, len(ahead), math.ceil(len(ahead) / 25))
+    if prey is None and math.isnan(turn[0]):
+        shown = range(0)  # a point aimed at, not the prey's pose: the ring below shows it
     for step in shown:
         when = "now" if step == 0 else f"{step} ahead"
         parts.append(window.robot(right[step], ahead[step], math.pi / 2 - turn[step], svg.PREY, f"prey, {when}", 6))

@@ -73,6 +73,16 @@ def test_the_omniscient_hunter_takes_the_earliest_capture(model):
     assert plan.trace.loc[plan.trace["chosen"], "value"].min() == plan.value
 
 
+def test_no_heading_is_made_up_where_only_places_are_predicted(model):
+    for case in with_futures(situations(3)):
+        plan = Omniscient(model, depth=3).plan(case, rng=np.random.default_rng(0))
+        assert plan.predicted_prey.heading[0] == case.prey.heading
+        assert np.isnan(plan.predicted_prey.heading[1:]).all()
+        assert math.isnan(plan.target.heading)
+        steps = STEP * np.arange(len(plan.gaits) + 1)
+        assert plan.predicted_prey.forward == pytest.approx(case.future.at(steps)[0], abs=1e-12)
+
+
 def test_the_omniscient_hunter_asks_for_the_future(model):
     with pytest.raises(InputError, match="future"):
         Omniscient(model).plan(situations(1)[0], rng=np.random.default_rng(0))

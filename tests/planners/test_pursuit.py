@@ -79,8 +79,9 @@ def test_constant_velocity_leads_its_target(model):
     assert crossing.target is not None
     assert crossing.target.angle > 0.2
     assert crossing.prey_known
+    assert math.isnan(crossing.target.heading)  # it estimates a velocity, no heading
     first = planner.plan(situation(prey), rng=np.random.default_rng(0))
-    assert first.target == pytest.approx(Polar(0.3, 0.0, 0.0), abs=1e-9)
+    assert first.target == pytest.approx(prey, abs=1e-9)  # the prey itself, which it sees
     assert not first.prey_known
 
 

@@ -11,7 +11,16 @@ from html_checks import NASTY, Reader
 
 import bayeshunt as bh
 from bayeshunt import displays
-from bayeshunt.views import display_html, display_models, display_tables, display_text, grounds, svg_network, theme
+from bayeshunt.views import (
+    display_html,
+    display_models,
+    display_tables,
+    display_text,
+    grounds,
+    svg_map,
+    svg_network,
+    theme,
+)
 
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
@@ -409,3 +418,17 @@ def test_themes_follow_the_system_and_the_notebook() -> None:
         assert light in sheet
         assert dark in sheet
     assert sheet.index("prefers-color-scheme") < sheet.index('data-jp-theme-light="true"')
+
+
+@pytest.mark.parametrize(("name", "robots"), [("omniscient", None), ("constant_velocity", 0), ("pure_pursuit", 1)])
+def test_a_pose_without_a_heading_has_no_nose(khepera_model, name, robots) -> None:
+    """Where only places are predicted discs are drawn, and a point aimed at is not drawn as the prey."""
+    plan = bh.hunt("paper", bh.make_planner(name, khepera_model), arena="open", theta=2.0, seed=1).plans[1]
+    drawing = str(svg_map.plan_map(plan))
+    assert "nan" not in drawing
+    if robots is None:  # the prey now, which is seen, and its places ahead
+        discs = re.findall(r"<circle[^>]*><title>prey, (\d+) ahead", drawing)
+        assert discs == [str(step) for step in range(1, len(plan.gaits) + 1)]
+        robots = 1
+    assert len(re.findall(r"<polygon[^>]*><title>prey, ", drawing)) == robots
+    assert len(re.findall("<title>target", drawing)) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -98,12 +99,26 @@ def test_the_prey_table_grows_by_one_transition_a_step(episodes):
             assert sum(cell[3] for cell in table) == k
 
 
+def test_a_heading_that_is_not_known_is_none(episodes):
+    """A page must not hold NaN, which is no JSON, and no heading that nobody predicted."""
+    episode = episodes["omniscient"]
+    data = replay_data(episode)
+    json.dumps(data, allow_nan=False)
+    for row, step, plan in zip(episode.frame.to_dict("records"), data["steps"], episode.plans, strict=True):
+        assert [theta for _, _, theta in step["predicted"][1:]] == [None] * len(plan.gaits)
+        places = [[x, y] for x, y, _ in step["predicted"]]
+        np.testing.assert_allclose(places, world(row, plan.predicted_prey)[:, :2], atol=6e-5)
+        assert step["target"][2] is None
+        assert math.isnan(row["target_heading"])
+
+
 def test_world_paths_come_from_what_the_hunter_sees(episodes, khepera_model):
     episode = episodes["planning"]
     data = replay_data(episode)
     for row, step, plan in zip(episode.frame.to_dict("records"), data["steps"], episode.plans, strict=True):
         if plan.prey_known:
             np.testing.assert_allclose(step["predicted"], world(row, plan.predicted_prey), atol=6e-5)
+            assert all(math.isfinite(theta) for _, _, theta in step["predicted"])
         else:  # the prey is taken to stand still
             assert step["predicted"] == []
         branch = plan.trace[plan.trace["chosen"]]
