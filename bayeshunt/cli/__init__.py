@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
 
@@ -18,12 +19,28 @@ from bayeshunt.cli import prepared  # noqa: F401  isort: skip
 from bayeshunt.cli import catalogue  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
+from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
 from bayeshunt.errors import BayesHuntError, InputError
 
 
 def main() -> None:
     """Run the command line; exit 2 for wrong input, 1 for failed work, each with one line on stderr."""
+    with remembered_output() as output:
+        try:
+            status = _run()
+        except (SystemExit, OSError):
+            if output is None or output.failure is None:
+                raise
+            status = 0  # typer and rich leave by SystemExit when a pipe is closed
+        failure = None if output is None else output.give_up()
+    if failure is not None and not isinstance(failure, BrokenPipeError):  # who closes a pipe wants no more of it
+        _fail(f"the output cannot be written ({failure.strerror or failure})", 1)
+    sys.exit(status)
+
+
+def _run() -> int:
+    """Run the command that was typed; return its exit status, or leave with one line."""
     command = typer.main.get_command(app)
     try:
         status = command.main(sys.argv[1:] or ["--help"], prog_name="bayeshunt", standalone_mode=False)
@@ -35,19 +52,18 @@ def main() -> None:
         _fail(stopped, 130)
     except (KeyboardInterrupt, typer.Abort):
         _fail("stopped", 130)
-    except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(0)
     except Exception as error:
         if not hasattr(error, "format_message"):  # not a usage error: a defect, which deserves its traceback
             raise
         _fail(error.format_message().splitlines()[0] + " (see --help)", 2)
     if status == 130:  # what typer makes of Ctrl-C
         _fail("stopped", 130)
-    sys.exit(status if isinstance(status, int) else 0)
+    return status if isinstance(status, int) else 0
 
 
-def _fail(message: Any, status: int) -> None:
+def _fail(message: Any, status: int) -> NoReturn:
     line = " ".join(str(message).split())
-    print(f"bayeshunt: {line}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # nobody can be told
+        if sys.stderr is not None:
+            print(f"bayeshunt: {line}", file=sys.stderr, flush=True)
     sys.exit(status)

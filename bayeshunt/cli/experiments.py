@@ -25,6 +25,7 @@ from bayeshunt.cli.options import (
     count_hunts,
     read_experiment,
 )
+from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
 
 
@@ -43,7 +44,7 @@ def evaluate(
         str | None, typer.Option(help="Work on a dask cluster: local, or an address such as tcp://host:8786.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder of the results. Every hunt is kept as it ends; the same line goes on.")
+        Path | None, out_folder("Folder of the results. Every hunt is kept as it ends; the same line goes on.")
     ] = None,
     per_theta: Annotated[bool, typer.Option("--per-theta", help="Show every bearing, not just the totals.")] = False,
     as_json: Json = False,

@@ -22,12 +22,13 @@ from bayeshunt.cli.options import (
     settings_of,
     tell,
 )
+from bayeshunt.cli.outputs import out_file, out_folder
 from bayeshunt.errors import InputError
 
 
 @app.command(short_help="Draw the figures of the paper, as PNG and SVG.")
 def figures(
-    out: Annotated[Path, typer.Option(help="Folder for the figures, each as PNG and SVG.")],
+    out: Annotated[Path, out_folder("Folder for the figures, each as PNG and SVG.")],
     model: Model = None,
     results: Annotated[
         Path | None,
@@ -99,9 +100,9 @@ def export(
     model: Annotated[
         Path, typer.Argument(help="Model file made by bayeshunt fit, or a network (.xmlbif, .bif).", show_default=False)
     ],
-    out: Annotated[Path, typer.Option(help="Folder for the CSV files.")],
+    out: Annotated[Path, out_folder("Folder for the CSV files.")],
     xmlbif: Annotated[
-        Path | None, typer.Option(help="Also export the network as XMLBIF, its labels beside it.")
+        Path | None, out_file("Also export the network as XMLBIF, its labels beside it.", within_out=True)
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -109,13 +110,10 @@ def export(
 
     Example:  bayeshunt export model.json --out tables --xmlbif tables/model.xmlbif
     """
-    from bayeshunt.cli.options import check_parent
     from bayeshunt.experiments.store import check_output_folder
     from bayeshunt.models.interchange import open_model
     from bayeshunt.models.xmlbif import labels_path
 
-    if xmlbif is not None:
-        check_parent(xmlbif, made=out)
     forward = open_model(model)
     names = [path.name for path in forward.to_csv(check_output_folder(out))]
     lines = [_listed(out, names)]

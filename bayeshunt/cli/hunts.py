@@ -17,11 +17,11 @@ from bayeshunt.cli.options import (
     Preset,
     Seed,
     check_names,
-    check_parent,
     complete_planner,
     load_or_learn,
     read_experiment,
 )
+from bayeshunt.cli.outputs import out_file
 
 
 @app.command(short_help="Run one hunt and show every decision.")
@@ -37,8 +37,8 @@ def hunt(
     config: Config = None,
     overrides: Overrides = None,
     babbling_seed: Annotated[int, typer.Option(help="Seed of any babbling that comes first.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="Write the episode as Parquet.")] = None,
-    replay: Annotated[Path | None, typer.Option(help="Write a page (HTML) that plays the hunt.")] = None,
+    out: Annotated[Path | None, out_file("Write the episode as Parquet.")] = None,
+    replay: Annotated[Path | None, out_file("Write a page (HTML) that plays the hunt.")] = None,
     as_json: Json = False,
 ) -> None:
     """Run one hunt and show every decision.
@@ -48,9 +48,6 @@ def hunt(
     from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
     from bayeshunt.hunting import hunt as run
 
-    for path in (out, replay):
-        if path is not None:
-            check_parent(path)
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed)

@@ -11,14 +11,15 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, check_parent, complete_robot, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, tell
+from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.errors import InputError
 
 
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
 def babble(
-    out: Annotated[Path, typer.Option(help="Parquet file to write.")],
+    out: Annotated[Path, out_file("Parquet file to write.")],
     robot: Annotated[
         str,
         typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.", autocompletion=complete_robot),
@@ -39,7 +40,6 @@ def babble(
     from bayeshunt.experiments.babbling import babble_to_file, kept_rows
     from bayeshunt.views import terminal
 
-    check_parent(out)
     if out.suffix.lower() == ".csv":
         raise InputError(f"{out}: tables are Parquet, not CSV; name it {out.with_suffix('.parquet')}")
 
@@ -61,9 +61,9 @@ def fit(
     data: Annotated[
         list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
     ],
-    out: Annotated[Path, typer.Option(help="Model file (JSON) to write.")],
+    out: Annotated[Path, out_file("Model file (JSON) to write.")],
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
-    xmlbif: Annotated[Path | None, typer.Option(help="Also export the network as XMLBIF, with its labels.")] = None,
+    xmlbif: Annotated[Path | None, out_file("Also export the network as XMLBIF, with its labels.")] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     structure: Annotated[
         str,
@@ -81,7 +81,6 @@ def fit(
     from bayeshunt.settings import load_robot, recorded_robot
     from bayeshunt.views import terminal
 
-    check_parent(out)
     tables = open_tables(data)
     maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
     rows = sum(table.rows for table in tables)

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.errors import InputError
-from bayeshunt.files import check_target
 
 
 def complete_planner(incomplete: str) -> list[str]:
@@ -53,13 +52,6 @@ Model = Annotated[
 
 def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
     typer.echo(json.dumps(facts) if as_json else text)
-
-
-def check_parent(path: Path, made: Path | None = None) -> None:
-    """Fail before the work rather than after it; the folder ``made`` is one that the command makes itself."""
-    check_target(path)
-    if not path.parent.is_dir() and (made is None or path.parent.resolve() != made.resolve()):
-        raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
 
 
 def read_experiment(preset: str, config: Path | None, overrides: list[str] | None) -> Any:

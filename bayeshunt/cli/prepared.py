@@ -18,23 +18,23 @@ from bayeshunt.cli.options import (
     Quiet,
     Seed,
     check_names,
-    check_parent,
     complete_planner,
     read_experiment,
     tell,
 )
+from bayeshunt.cli.outputs import out_file, out_folder
 
 
 @app.command(short_help="Compute the best the gaits allow, for planner reference.")
 def reference(
-    out: Annotated[Path, typer.Option(help="Table (.npz) to write.")],
+    out: Annotated[Path, out_file("Table (.npz) to write.")],
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
     seed: Seed = 0,
     samples: Annotated[int, typer.Option(help="Sampled paths per gait.")] = 16,
     angles: Annotated[int, typer.Option(help="Grid lines per full turn.")] = 72,
-    cache: Annotated[Path | None, typer.Option(help="Folder where tables are kept and found again.")] = None,
+    cache: Annotated[Path | None, out_folder("Folder where tables are kept and found again.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -46,7 +46,6 @@ def reference(
     from bayeshunt.experiments import references
     from bayeshunt.views import terminal
 
-    check_parent(out)
     settings = read_experiment(preset, config, overrides)
     expected = len(settings.robot.gait) + references.EXPECTED_SWEEPS
     with terminal.progress_bar("solving", expected, quiet=quiet or as_json) as advance:
@@ -61,7 +60,7 @@ def reference(
 
 @app.command(short_help="Watch prey beforehand, for planners that remember.")
 def remember(
-    out: Annotated[Path, typer.Option(help="Memory (JSON) to write.")],
+    out: Annotated[Path, out_file("Memory (JSON) to write.")],
     preset: Preset = "paper",
     config: Config = None,
     overrides: Overrides = None,
@@ -84,7 +83,6 @@ def remember(
     from bayeshunt.experiments import memories
     from bayeshunt.views import terminal
 
-    check_parent(out)
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], arena)
     total = len(settings.protocol.thetas) * max(runs, 0) * len(arena or settings.arenas)
@@ -98,7 +96,7 @@ def remember(
 
 @app.command(short_help="Learn an arena's walls, for planner intercept_walls.")
 def explore(
-    out: Annotated[Path, typer.Option(help="Room (JSON) to write.")],
+    out: Annotated[Path, out_file("Room (JSON) to write.")],
     arena: Annotated[str, typer.Option(help="Arena to babble in.")] = "walled",
     steps: Annotated[int, typer.Option(help="Gaits babbled there.")] = 1000,
     preset: Preset = "paper",
@@ -114,7 +112,6 @@ def explore(
     """
     from bayeshunt.experiments import explorations
 
-    check_parent(out)
     settings = read_experiment(preset, config, overrides)
     room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed)
     room.save(out)

@@ -8,13 +8,14 @@ from typing import Annotated
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Model, Quiet, check_parent, settings_of, tell
+from bayeshunt.cli.options import Json, Model, Quiet, settings_of, tell
+from bayeshunt.cli.outputs import out_file
 
 
 @app.command(short_help="Write a page that plays a recorded hunt.")
 def replay(
     episode: Annotated[Path, typer.Argument(help="Episode made by bayeshunt hunt --out.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Page (HTML) to write.")],
+    out: Annotated[Path, out_file("Page (HTML) to write.")],
     model: Annotated[
         Path | None, typer.Option(help="Its model: draws where reactive and prediction expect their gait to lead.")
     ] = None,
@@ -29,7 +30,6 @@ def replay(
     from bayeshunt.views.commands import model_option
     from bayeshunt.views.replay import write_replay
 
-    check_parent(out)
     forward = None if model is None else open_model(model)
     write_replay(Episode.load(episode), out, model=forward, source=model_option(model))
     tell({"out": str(out), "bytes": out.stat().st_size}, as_json, f"{out}: open it in a browser to play the hunt")
@@ -38,7 +38,7 @@ def replay(
 @app.command(short_help="Write a page about an evaluation, with hunts to play.")
 def report(
     results: Annotated[Path, typer.Argument(help="Folder made by bayeshunt evaluate --out.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="Page (HTML) to write.")],
+    out: Annotated[Path, out_file("Page (HTML) to write.")],
     model: Model = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -55,7 +55,6 @@ def report(
     from bayeshunt.views import terminal
     from bayeshunt.views.report import write_report
 
-    check_parent(out)
     frame = load_results(results)
     forward = None if model is None else open_model(model, settings_of(frame, results).robot.gaits)
     total = len(frame[["planner", "arena"]].drop_duplicates())

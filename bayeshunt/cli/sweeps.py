@@ -26,6 +26,7 @@ from bayeshunt.cli.options import (
     read_experiment,
     toml_value,
 )
+from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.errors import ConfigError, InputError
 
@@ -48,7 +49,7 @@ def sweep(
     seed: Seed = 0,
     jobs: Jobs = -1,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the table, the figure and every hunt; the same line goes on.")
+        Path | None, out_folder("Folder for the table, the figure and every hunt; the same line goes on.")
     ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -109,7 +110,7 @@ def tradeoff(
     runs: Runs = None,
     seed: Seed = 0,
     jobs: Jobs = -1,
-    out: Annotated[Path | None, typer.Option(help="Folder for the table and the figure.")] = None,
+    out: Annotated[Path | None, out_folder("Folder for the table and the figure.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:

@@ -39,7 +39,7 @@ def reliability(assessment: Assessment) -> Figure:
 @styled
 def write(assessment: Assessment, path: Path) -> Figure:
     """Write :func:`reliability` as a .png (200 dots per inch) or .svg file, replaced atomically; returns it."""
-    figure, kind = reliability(assessment), path.suffix[1:]
+    figure, kind = reliability(assessment), path.suffix[1:].lower()
     with replace_atomically(path) as temporary:
         figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
     return figure

@@ -47,8 +47,9 @@ def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Cal
 
 
 def say(text: str) -> None:
-    """Print one message line on stderr."""
-    messages.print(text, soft_wrap=True, markup=False)
+    """Print one message line on stderr; what has been done does not fail because nobody can be told."""
+    with contextlib.suppress(OSError):
+        messages.print(text, soft_wrap=True, markup=False)
 
 
 def print_table(table: Table) -> None:
@@ -272,5 +273,7 @@ def explanation_table(answer: Any) -> None:
 
 
 def _bar(share: float) -> str:
+    if out.options.ascii_only:
+        return "#" * round(share * _BAR)
     eighths = round(share * _BAR * 8)
     return "█" * (eighths // 8) + ("▏▎▍▌▋▊▉"[eighths % 8 - 1] if eighths % 8 else "")
