@@ -99,8 +99,8 @@ def test_gaits_have_their_colours_from_the_theme(path: Path) -> None:
 @pytest.mark.slow
 @each_notebook
 def test_runs_from_start_to_end(path: Path, tmp_path: Path) -> None:
-    """With nbmake, each cell at most 60 s."""
-    command = [sys.executable, "-m", "pytest", "-q", "--nbmake", "--nbmake-timeout=60", "-p", "no:cacheprovider",
+    """With nbmake, each cell with time enough on a slow machine."""
+    command = [sys.executable, "-m", "pytest", "-q", "--nbmake", "--nbmake-timeout=600", "-p", "no:cacheprovider",
                "-o", "addopts=", str(path)]  # fmt: skip
     ran = subprocess.run(command, capture_output=True, text=True, cwd=FOLDER.parent, check=False)
     assert ran.returncode == 0, ran.stdout[-3000:]

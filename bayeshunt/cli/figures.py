@@ -49,6 +49,7 @@ def figures(
     """
     from bayeshunt.experiments import runner, store
     from bayeshunt.views import figures as drawing
+    from bayeshunt.views import terminal
 
     runner.check_jobs(jobs)
     if results is not None and overrides:
@@ -63,6 +64,8 @@ def figures(
     forward = load_or_learn(model, settings, seed)
     if hunts is None:
         hunts = _run(settings, forward, seed, jobs, quiet or as_json)
+    elif (difference := store.another_model(hunts, forward)) is not None:
+        terminal.say(f"warning: {difference}")
     planned, learned = _hunts(settings, forward, seed)
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
     names = [path.name for path in written]

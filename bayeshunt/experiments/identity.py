@@ -19,6 +19,8 @@ from typing import Any
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.experiments.plugins import used_additions
 from bayeshunt.experiments.sources import source_hashes
+from bayeshunt.models import store as model_files
+from bayeshunt.models.forward import ForwardModel
 
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
 LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy")
@@ -112,6 +114,11 @@ def fingerprint(model_text: str) -> str:
     content = json.loads(model_text)["content"]
     content.pop("provenance", None)
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def model_fingerprint(model: ForwardModel) -> str | None:
+    """Return the :func:`fingerprint` of a model; None for an imported network, which no model file can hold."""
+    return fingerprint(model_files.dumps(model)) if model.has_counts else None
 
 
 def _files(planner: dict[str, Any]) -> Iterator[tuple[str, str]]:

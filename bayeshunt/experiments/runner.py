@@ -20,7 +20,7 @@ from bayeshunt.experiments import workers
 from bayeshunt.experiments.batches import Ticket, batches, run_batch
 from bayeshunt.experiments.database import HuntDatabase, Numbered
 from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
-from bayeshunt.experiments.identity import Identity, fingerprint, versions
+from bayeshunt.experiments.identity import Identity, fingerprint, model_fingerprint, versions
 from bayeshunt.experiments.lock import FolderLock
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
 from bayeshunt.experiments.store import check_output_folder, check_same_export, save_results
@@ -63,7 +63,7 @@ def evaluate(
     Columns: planner, arena, theta [rad], run, seed (of that hunt), caught, time [s, the limit if
     missed], decisions, transitions, distance [m]. The same seed gives the same table at any ``jobs``,
     with any ``scheduler``, and after any number of interruptions.
-    ``frame.attrs["settings"]`` holds the settings used.
+    ``frame.attrs`` holds the ``settings`` used, the ``seed`` and the fingerprint of the ``model`` (None: imported).
 
     Raises InputError for a wrong name or number, ResultsError if ``out`` holds another experiment or
     is damaged, FolderInUseError if another process is working there.
@@ -86,7 +86,7 @@ def evaluate(
         if out is not None:
             folder = check_output_folder(out)
             stack.enter_context(FolderLock(folder, f"watch it with: bayeshunt status {shlex.quote(str(folder))}"))
-            given = None if model is None else fingerprint(model_files.dumps(model))
+            given = None if model is None else model_fingerprint(model)
             asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))
             model = model_files.loads(database.model, f"{database.path}: the model in it")
@@ -97,6 +97,7 @@ def evaluate(
         evaluation = _Evaluation(settings, model, rooms, tasks, database, progress or _ignore, say or _ignore)
         ended = evaluation.run(jobs, scheduler)
         frame = results_frame(tasks, ended, settings, seed)
+        frame.attrs["model"] = model_fingerprint(model)
         if database is not None:
             database.fold()
             save_results(frame, settings, seed, database.path.parent)
@@ -114,7 +115,7 @@ def _open_or_create(
             return database
         database.__exit__()
         raise ResultsError(f"{folder} holds another experiment: {difference}; choose another --out")
-    check_same_export(folder, settings, asked.seed, asked.planners, asked.arenas)
+    check_same_export(folder, settings, asked)
     if model is None:
         model = learn_model(settings, asked.seed)
         check_minds(asked.planners, model, settings)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shlex
-from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,10 @@ import pandas as pd
 from bayeshunt import sealed
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError, InputError, ResultsError
+from bayeshunt.experiments.identity import Identity, model_fingerprint
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.files import write_text
+from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
 
 HUNTS_FILE = "hunts.parquet"
@@ -36,6 +37,7 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
         "note": settings.note,
         "seed": int(seed),
         "version": version("bayeshunt"),
+        "model": results.attrs.get("model"),
         "not_ab_initio": sorted(
             name for name in set(results["planner"]) if not is_ab_initio(name, settings.planner.get(name, {}))
         ),
@@ -62,7 +64,7 @@ def save_results(
 
     path = check_output_folder(folder)
     record = {"kind": _KIND, "seed": int(seed), "settings": settings.model_dump(mode="json")}
-    record["version"] = version("bayeshunt")
+    record |= {"version": version("bayeshunt"), "model": results.attrs.get("model")}
     plain = results.copy(deep=False)
     plain.attrs = {}
     sealed.write(pa.Table.from_pandas(plain, preserve_index=False), record, path / HUNTS_FILE)
@@ -72,7 +74,7 @@ def save_results(
 
 
 def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
-    """Read the hunts of a results folder; settings and seed in ``frame.attrs``.
+    """Read the hunts of a results folder; settings, seed and fingerprint of the model in ``frame.attrs``.
 
     Raises DataError in one line if there are none or the file is damaged.
     """
@@ -100,15 +102,24 @@ def _missing(folder: Path) -> str:
     return f"{done}, and it is running" if found.running else f"{done}; give the same evaluate line again to go on"
 
 
-def check_same_export(
-    folder: Path, settings: ExperimentSettings, seed: int, planners: Sequence[str], arenas: Sequence[str]
-) -> None:
+def another_model(results: pd.DataFrame, model: ForwardModel) -> str | None:
+    """Return one line if the hunts were made with another model than ``model``; None if not, or if nobody noted it."""
+    there, here = results.attrs.get("model"), model_fingerprint(model)
+    if there is None or here == there:
+        return None
+    found = "an imported network" if here is None else f"one of fingerprint {here[:12]}"
+    return f"the hunts were made with a model of fingerprint {there[:12]}, this is {found}; give theirs with --model"
+
+
+def check_same_export(folder: Path, settings: ExperimentSettings, asked: Identity) -> None:
     """Raise ResultsError if ``folder`` holds exported results of another experiment, which would be replaced."""
     if not (folder / HUNTS_FILE).exists():
         return
     frame = load_results(folder)
     there = [frame.attrs.get("settings"), frame.attrs.get("seed"), *(list(frame[k].unique()) for k in _NAMED)]
-    if there != [json.loads(settings.model_dump_json()), seed, list(planners), list(arenas)]:
+    here = [json.loads(settings.model_dump_json()), asked.seed, list(asked.planners), list(asked.arenas)]
+    models = {frame.attrs.get("model"), asked.model} - {None, ""}  # earlier files do not say theirs
+    if there != here or len(models) > 1:
         raise ResultsError(f"{folder / HUNTS_FILE} holds results of another experiment; choose another --out")
 
 

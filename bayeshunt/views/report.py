@@ -15,7 +15,7 @@ from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.scores import summarise
-from bayeshunt.experiments.store import NOT_AB_INITIO
+from bayeshunt.experiments.store import NOT_AB_INITIO, another_model
 from bayeshunt.files import write_text
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
@@ -47,7 +47,8 @@ def write_report(
     """
     facts = report_facts(results, model=model, model_path=model_path, progress=progress)
     write_text(path, report_html(facts))
-    return [f"{shelf.planner}, {shelf.arena}: {shelf.problem}" for shelf in facts["shelves"] if shelf.problem]
+    told = [f"{shelf.planner}, {shelf.arena}: {shelf.problem}" for shelf in facts["shelves"] if shelf.problem]
+    return [*([facts["another_model"]] if facts["another_model"] else []), *told]
 
 
 def report_html(facts: dict[str, Any]) -> str:
@@ -98,7 +99,8 @@ def report_facts(
         "settings_file": SETTINGS_FILE if preset_of(settings) is None else None,
         "toml": text,
         "toml_link": "data:application/toml;base64," + base64.b64encode(text.encode()).decode(),
-        "learned": model is None, "babbling_steps": settings.model.babbling_steps,
+        "learned": model is None, "another_model": another_model(results, learned),
+        "babbling_steps": settings.model.babbling_steps,
     }  # fmt: skip
 
 

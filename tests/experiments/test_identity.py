@@ -1,6 +1,7 @@
 """What belongs to an evaluation: every library that can change a hunt, and only what was noted is held against it."""
 
 import ast
+import json
 from dataclasses import replace
 from importlib.metadata import packages_distributions
 from pathlib import Path
@@ -8,9 +9,14 @@ from pathlib import Path
 import pytest
 
 import bayeshunt
+from bayeshunt.errors import ResultsError
 from bayeshunt.experiments import identity
 from bayeshunt.experiments.identity import LIBRARIES, Identity
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.runner import evaluate
+from bayeshunt.experiments.store import another_model, load_results, save_results, summary
 from bayeshunt.settings import load_experiment
+from bayeshunt.views.report import report_facts, report_html, write_report
 
 PACKAGE = Path(bayeshunt.__file__).parent
 #: What the rooms below the experiments import and what changes no number: checks of settings, files.
@@ -69,3 +75,54 @@ def test_the_hash_of_an_older_record_stays(evaluation):
 
 def test_a_worker_without_a_library_says_so():
     assert identity._version("no-such-distribution") == "not installed"
+
+
+# --- the model that results were made with --------------------------------------------------------
+
+SETTINGS = load_experiment("paper", {"protocol.thetas": [1.0], "protocol.runs": 1})
+WHAT = {"planners": "reactive", "arenas": "open"}
+
+
+@pytest.fixture
+def another(khepera_model):
+    return type(khepera_model)(khepera_model.joint, prior=1.0)
+
+
+def test_results_note_their_model_wherever_they_are(tmp_path, khepera_model, another):
+    frame = evaluate(SETTINGS, model=khepera_model, out=tmp_path, **WHAT)
+    noted = frame.attrs["model"]
+    assert evaluate(SETTINGS, model=khepera_model, **WHAT).attrs["model"] == noted
+    assert load_results(tmp_path).attrs["model"] == noted
+    assert json.loads((tmp_path / "summary.json").read_text())["model"] == noted
+    assert summary(frame, SETTINGS, 0)["model"] == noted
+    assert evaluate(SETTINGS, model=another, **WHAT).attrs["model"] != noted
+
+
+def test_a_learned_model_is_noted_too():
+    learned = evaluate(SETTINGS, **WHAT).attrs["model"]
+    assert learned == identity.model_fingerprint(learn_model(SETTINGS, 0))
+
+
+def test_a_report_says_that_it_was_given_another_model(tmp_path, khepera_model, another):
+    evaluate(SETTINGS, model=khepera_model, out=tmp_path, **WHAT)
+    frame = load_results(tmp_path)
+    there, here = (identity.model_fingerprint(model)[:12] for model in (khepera_model, another))
+    said = f"the hunts were made with a model of fingerprint {there}, this is one of fingerprint {here}; "
+    assert another_model(frame, another).startswith(said)
+    assert write_report(frame, tmp_path / "other.html", model=another)[0].startswith(said)
+    assert f"Another model: {said}" in (tmp_path / "other.html").read_text(encoding="utf-8")
+    assert another_model(frame, khepera_model) is None
+    facts = report_facts(frame, model=khepera_model)
+    assert "Another model" not in report_html(facts)
+    frame.attrs.pop("model")  # as earlier versions wrote them
+    assert another_model(frame, another) is None
+
+
+def test_exported_hunts_of_another_model_are_not_overwritten(tmp_path, khepera_model, another):
+    frame = evaluate(SETTINGS, model=khepera_model, **WHAT)
+    save_results(frame, SETTINGS, 0, tmp_path)
+    with pytest.raises(ResultsError, match="results of another experiment"):
+        evaluate(SETTINGS, model=another, out=tmp_path, **WHAT)
+    frame.attrs.pop("model")
+    save_results(frame, SETTINGS, 0, tmp_path)
+    assert evaluate(SETTINGS, model=another, out=tmp_path, **WHAT).attrs["model"]
