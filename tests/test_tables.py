@@ -34,6 +34,27 @@ def test_check_cpt():
         check_cpt(np.array([[np.nan], [1.0]]))
 
 
+@pytest.mark.parametrize("off", [0.9e-9, -0.9e-9, 1.1e-9, -1.1e-9])
+def test_a_column_may_miss_one_by_rounding_only(off):
+    column = np.array([[0.25], [0.75 + off]])
+    if abs(off) < 1e-9:
+        check_cpt(column)
+    else:
+        with pytest.raises(BayesHuntError, match=r"CPT: a column sums to 1\.\d+, not 1"):
+            check_cpt(column)
+
+
+def test_every_entry_is_a_probability():
+    """Columns that sum to 1 are not enough; certainty may be off by rounding."""
+    check_cpt(np.array([[1.0 + 1e-10], [0.0]]))
+    for entries in ([-1e-12, 1.0], [1.5, -0.5], [np.inf, 0.0]):
+        with pytest.raises(BayesHuntError, match=r"^table: entries must be probabilities in \[0, 1\]$"):
+            check_cpt(np.array(entries)[:, None], name="table")
+    with pytest.raises(BayesHuntError, match=r"sums to 1\.01, not 1"):
+        check_cpt(np.array([[0.5, 0.5], [0.5, 0.51]]), tolerance=1e-3)
+    check_cpt(np.array([[0.5, 0.5], [0.5, 0.51]]), tolerance=0.02)
+
+
 def test_credible_interval_of_a_uniform_prior_and_no_data():
     # Beta(1, 1) is uniform: its central 95 % runs from 0.025 to 0.975
     low, high = credible_interval(np.zeros((2, 1)), 1.0)

@@ -12,7 +12,7 @@ from bayeshunt.errors import DataError, ModelFileError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.geometry import Pose
 from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.rooms import RoomModel, _held_up, _hull
+from bayeshunt.models.rooms import RoomModel, _held_up, _hull, _merge
 
 #: Walls ahead, to the left and to the right; nothing behind.
 THREE_SIDES = [(1, 0, 0.3), (0, 1, 0.25), (0, -1, 0.35)]
@@ -89,6 +89,48 @@ def test_no_wall_where_nothing_was_ever_in_the_way(model):
     three = RoomModel.fit(made_up_track(THREE_SIDES), model)
     found = sorted(zip(*three.normals.T, three.offsets, strict=True))
     assert np.allclose(found, sorted(THREE_SIDES), atol=0.01)
+
+
+BODY = 0.05
+
+
+def edge(degrees, offset, length):
+    """One row of the edges of a hull."""
+    return [np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), offset, length]
+
+
+def touching(degrees, offset, count, gap=0.0):
+    """So many poses ``gap`` metres before the wall at ``offset`` in this direction, side by side."""
+    normal = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    aside = np.array([-normal[1], normal[0]])
+    return (offset - gap) * normal + np.linspace(-0.1, 0.1, count)[:, None] * aside
+
+
+@pytest.mark.parametrize(("apart", "walls"), [(9.9, 1), (10.1, 2), (-9.9, 1), (-10.1, 2)])
+def test_edges_within_ten_degrees_are_one_wall(apart, walls):
+    """The longest says where the wall is and all of them how long it is."""
+    edges = np.array([edge(30.0, 0.4, 0.5), edge(30.0 + apart, 0.38, 0.2)])
+    held = np.concatenate([touching(30.0, 0.4, 20), touching(30.0 + apart, 0.38, 20)])
+    found = _merge(edges, held, BODY)
+    assert len(found) == walls
+    assert found[0][:3] == pytest.approx(edge(30.0, 0.4, 0.5)[:3])
+    assert [wall[3] for wall in found] == pytest.approx([0.7] if walls == 1 else [0.5, 0.2])
+
+
+@pytest.mark.parametrize(("length", "walls"), [(0.074, 0), (0.076, 1)])
+def test_a_wall_is_at_least_one_and_a_half_bodies_long(length, walls):
+    held = touching(0.0, 0.4, 20)
+    assert len(_merge(np.array([edge(0.0, 0.4, length)]), held, BODY)) == walls
+    parts = np.array([edge(0.0, 0.4, length / 2), edge(5.0, 0.4, length / 2)])  # together as long
+    assert len(_merge(parts, held, BODY)) == walls
+
+
+@pytest.mark.parametrize(("count", "gap", "walls"), [(9, 0.0, 0), (10, 0.0, 1), (10, 0.0049, 1), (40, 0.0051, 0)])
+def test_a_wall_is_touched_by_ten_blocked_poses_within_a_tenth_of_a_body(count, gap, walls):
+    far = touching(0.0, 0.2, 30)  # held up elsewhere
+    found = _merge(np.array([edge(0.0, 0.4, 0.5)]), np.concatenate([far, touching(0.0, 0.4, count, gap)]), BODY)
+    assert len(found) == walls
+    assert [wall[4] for wall in found] == [count] * walls
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,21 @@ def test_the_kinematic_limit_of_the_open_arena(theta, seconds):
 def test_the_kinematic_limit_of_a_prey_that_gets_away_and_of_one_in_reach():
     away = straight_future(Polar(0.3, 0.0, 0.0), 0.2)
     assert KinematicLimit.capture_time(away, 0.05, 0.05) == math.inf
+    # In reach at once, and out of reach for ever after: the start counts.
     assert KinematicLimit.capture_time(straight_future(Polar(0.04, 0.0, 0.0), 0.2), 0.05, 0.05) == 0.0
+    assert KinematicLimit.capture_time(straight_future(Polar(0.05, 0.0, 0.0), 0.2), 0.05, 0.05) == 0.0  # just touching
+
+
+def test_the_kinematic_limit_between_known_poses_by_hand():
+    """Gaps 0.2, 0.1, -0.1 at 0, 1 and 2 s: linear in between, so it is closed after 1.5 s; later gaps do not matter."""
+    times = np.array([0.0, 1.0, 2.0, 3.0])
+    distance = np.array([0.2, 0.1, -0.1, 0.5]) + 0.3 * times + 0.05
+    future = Future(times, Polar(distance, np.zeros(4), np.zeros(4)))
+    assert KinematicLimit.capture_time(future, 0.3, 0.05) == pytest.approx(1.5)
+    touching = Future(times, Polar(np.array([0.2, 0.0, 0.3, 0.5]) + 0.3 * times + 0.05, np.zeros(4), np.zeros(4)))
+    assert KinematicLimit.capture_time(touching, 0.3, 0.05) == pytest.approx(1.0)
+    from_later = Future(times + 4.0, Polar(np.zeros(4), np.zeros(4), np.zeros(4)))
+    assert KinematicLimit.capture_time(from_later, 0.3, 0.05) == 4.0
 
 
 def test_the_kinematic_limit_cannot_hunt(model):

@@ -71,6 +71,26 @@ def test_the_kalman_filter_finds_a_constant_velocity(model):
     assert (v_ahead, v_right) == pytest.approx((speed * math.cos(1.1), speed * math.sin(1.1)), rel=0.05)
 
 
+def test_the_first_velocity_seen_by_hand(model):
+    """After one transition: position and velocity known beforehand to (p, top speed), then moved, pushed and observed.
+
+    Each coordinate by itself: P = F diag(p^2 / 2, s^2) F' + Q, gain = P[:, 0] / (P[0, 0] + p^2). The first
+    position is the start and an observation too, which halves its variance before the first move.
+    """
+    planner = ConstantVelocity(model, acceleration=0.02, position=0.03)
+    speed, p, a = planner.steering.top_speed, 0.03, 0.02
+    move = Polar(0.15, 0.2, 0.0)
+    prey = Polar(0.5, 0.7, 1.1)
+    found = planner._estimate(situation(prey, (move,)))
+    cov = np.array([[1, STEP], [0, 1]]) @ np.diag([p**2 / 2, speed**2]) @ np.array([[1, 0], [STEP, 1]])
+    cov = cov + a**2 * np.outer([STEP**2 / 2, STEP], [STEP**2 / 2, STEP])
+    gain = cov[:, 0] / (cov[0, 0] + p**2)
+    before = prey_track(situation(prey, (move,)))
+    for axis, (here, start) in enumerate(((prey.forward, before.forward[0]), (prey.right, before.right[0]))):
+        step = float(here - start)
+        assert (found[axis], found[2 + axis]) == pytest.approx((start + gain[0] * step, gain[1] * step), rel=1e-9)
+
+
 def test_constant_velocity_leads_its_target(model):
     """A prey ahead that crosses to the right is met to the right; a standing one is met where it is."""
     prey = Polar(0.3, 0.0, 0.5 * math.pi)

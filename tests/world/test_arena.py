@@ -8,7 +8,7 @@ import pytest
 from bayeshunt.config import ArenaSettings, NoiseSettings, PhysicsSettings, PreySettings
 from bayeshunt.geometry import Pose
 from bayeshunt.settings import load_robot
-from bayeshunt.world.arena import Arena, Streams
+from bayeshunt.world.arena import Arena, Streams, build_walls, new_world
 from bayeshunt.world.noise import actuator_factors
 
 QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
@@ -77,6 +77,67 @@ def test_walls_stop_a_robot_and_it_slides_along_them():
     assert x == pytest.approx(0.6 - 0.0285, abs=0.002)
     assert y > 0.35  # it went on along the wall
     assert theta == pytest.approx(0.5, abs=1e-5)  # no friction, no spin
+
+
+def test_a_contact_takes_the_velocity_that_it_takes():
+    """A robot held by a wall has no speed into it left, so leaving it starts from rest, within the traction limit."""
+    slippery = quiet("khepera")
+    slippery = slippery.model_copy(update={"body": slippery.body.model_copy(update={"max_traction": 0.05})})
+    held = arena_for(slippery, walled=True, hunter_pose=Pose(0.54, 0.0, 0.0))
+    held.run((0.0576, 0.0576), 6.4)
+    assert held.hunter.pose.x == pytest.approx(0.6 - 0.0285, abs=0.001)
+    assert abs(held.hunter.vx) * held.unit < 1e-3  # what it believes of itself is what the wall has left of it
+    free = arena_for(slippery)
+    starts = held.hunter.pose.x, free.hunter.pose.x
+    for arena in (held, free):
+        arena.run((-0.0576, -0.0576), 0.64)
+    gone = [start - arena.hunter.pose.x for start, arena in zip(starts, (held, free), strict=True)]
+    assert gone[1] == pytest.approx(0.05 * 0.032**2 * sum(range(1, 21)), rel=1e-4)  # 20 steps at 0.05 m/s2
+    # Its wheels stop first: at 0.6 m/s2 that takes three of the steps, in which it does not move.
+    assert gone[0] == pytest.approx(0.05 * 0.032**2 * sum(range(1, 18)), rel=0.02)
+
+
+def test_a_pushed_robot_knows_that_it_moves():
+    """The prey stands with its wheels locked; pushed out of its place, it comes to rest at its tyres' limit."""
+    arena = arena_for(quiet("khepera"), prey_pose=Pose(0.06, 0.0, 0.0), catch=0.001)
+    arena.run((0.0576, 0.0576), 1.6)
+    assert arena.world.contactCount
+    assert (arena.prey.vx, arena.prey.vy) == (arena.prey.body.linearVelocity.x, arena.prey.body.linearVelocity.y)
+    assert arena.prey.vx > 0.05
+
+
+def test_the_walls_are_solid_from_the_inner_edge_outwards():
+    """Nothing of the rectangle itself, and two units of wall around it, corners included."""
+    width, height = 6.0, 4.0
+    world = new_world()  # kept: its bodies do not outlive it
+    fixtures = build_walls(world, width, height).fixtures
+
+    def solid(x, y):
+        return any(fixture.TestPoint((float(x), float(y))) for fixture in fixtures)
+
+    for x in np.linspace(-0.499, 0.499, 13) * width:
+        for y in np.linspace(-0.499, 0.499, 13) * height:
+            assert not solid(x, y)
+    rim = [(3.0 + beyond, y) for beyond in (0.01, 1.0, 1.99) for y in np.linspace(0.0, 3.99, 12)]
+    rim += [(x, 2.0 + beyond) for beyond in (0.01, 1.0, 1.99) for x in np.linspace(0.0, 4.99, 12)]
+    for x, y in rim:
+        for across, up in ((x, y), (-x, y), (x, -y), (-x, -y)):
+            assert solid(across, up), (across, up)
+    assert not solid(5.01, 0.0)
+    assert not solid(0.0, -4.01)
+
+
+@pytest.mark.parametrize("theta", [0.7, 2.5, -0.8, -2.3])
+def test_no_robot_leaves_through_a_corner(theta):
+    """A small body at ten times the usual speed, its tyres never slipping."""
+    robot = quiet("khepera")
+    body = robot.body.model_copy(update={"max_acceleration": 50.0, "max_traction": 500.0})
+    arena = arena_for(robot.model_copy(update={"body": body}), walled=True, hunter_pose=Pose(0.0, 0.0, theta))
+    moments = []
+    arena.run((0.576, 0.576), 6.4, moments)
+    path = np.array([moment.hunter for moment in moments])
+    assert np.abs(path[:, :2]).max() < 0.6 - 0.0285 + 0.003
+    assert np.abs(path[-1, :2]) == pytest.approx(0.6 - 0.0285, abs=0.003)  # in the corner
 
 
 def test_robots_do_not_pass_through_each_other():
