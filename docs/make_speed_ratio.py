@@ -17,7 +17,7 @@ import bayeshunt as bh
 from bayeshunt.views.figures_sweep import sweep_figure
 
 OUT = Path(__file__).parent / "images" / "speed_ratio.png"
-PLANNERS = ("prediction", "planning", "intercept", "omniscient", "kinematic_limit")
+PLANNERS = ("prediction", "planning", "intercept_walls", "omniscient", "kinematic_limit")
 
 
 def main() -> None:
