@@ -115,8 +115,15 @@ def explore(
     settings = read_experiment(preset, config, overrides)
     room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed)
     room.save(out)
+    from bayeshunt.views.display_text import align
+
     walls = room.walls()
+    rows = [
+        [f"{value:.3f}" if isinstance(value, float) else str(value) for value in row]
+        for row in walls.itertuples(index=False)
+    ]
+    shown = "\n".join(align(list(walls.columns), rows, left=set()))
     facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
-    tell(facts, as_json, f"{out}: {len(walls)} walls\n{walls.round(3).to_string()}\n"
+    tell(facts, as_json, f"{out}: {len(walls)} walls\n{shown}\n"
          f"next: bayeshunt evaluate --planner intercept_walls --arena {shlex.quote(arena)} "
          f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip

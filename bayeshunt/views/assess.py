@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import math
-from io import StringIO
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.assess import Assessment
 from bayeshunt.views import terminal
+from bayeshunt.views.text_tables import TextTable, string_console, word
 
 
 def assessment_text(assessment: Assessment) -> str:
     """Return what :func:`assessment_tables` prints, without colours, at most 100 columns wide."""
-    page = Console(file=StringIO(), width=100, color_system=None, highlight=False)
+    page = string_console(100)
     assessment_tables(assessment, page)
-    assert isinstance(page.file, StringIO)
-    return page.file.getvalue().rstrip()
+    return str(page.file.getvalue().rstrip())  # type: ignore[attr-defined]
 
 
 def assessment_tables(assessment: Assessment, out: Console = terminal.out) -> None:
@@ -47,8 +44,8 @@ def _variables(assessment: Assessment, out: Console) -> None:
     table = _table(f"Held-out predictions, structure {name}", "variable", "log-loss", "no gait", "Brier", "no gait")
     for variable, row in assessment.variables.iterrows():
         columns = ("log_loss", "log_loss_without_gait", "brier", "brier_without_gait")
-        table.add_row(str(variable), *(_number(row[column]) for column in columns))
-    out.print(table)
+        table.row(str(variable), *(_number(row[column]) for column in columns))
+    table.print(out)
     out.print("Nat per row, less is better; 'no gait': one forecast for every gait.", style="dim")
 
 
@@ -69,11 +66,11 @@ def _independence(assessment: Assessment, out: Console) -> None:
     shuffles = assessment.settings["permutations"]
     table = _table("Independent given the gait?", "pair", "G", "df", "p", "p chi2", "bits", "by chance")
     for row in assessment.independence.itertuples():
-        table.add_row(
+        table.row(
             f"{row.x}, {row.y}", f"{row.g:.1f}", str(row.degrees), f"{row.p_permutation:.3f}",
             f"{row.p_chi2:.2g}", f"{row.information_bits:.4f}", f"{row.information_chance_bits:.4f}",
         )  # fmt: skip
-    out.print(table)
+    table.print(out)
     out.print(
         f"p: {shuffles} shuffles within each gait: go by it. p chi2 does not hold in sparse tables.\n"
         "bits: I(X; Y | Gait) in the rows, and its mean over the shuffles.", style="dim",
@@ -88,11 +85,11 @@ def _structures(assessment: Assessment, out: Console) -> None:
     for name, row in assessment.structures.iterrows():
         interval = "" if name == "naive" else f"{_number(row['gain_low'], '+')} to {_number(row['gain_high'], '+')}"
         gain = "" if name == "naive" else _number(row["gain"], "+")
-        table.add_row(
+        table.row(
             str(name), _number(row["log_loss"]), gain, interval, f"{row['bic']:,.0f}", f"{row['parameters']:,}",
             style="bold" if name == best else None,
         )  # fmt: skip
-    out.print(table)
+    table.print(out)
     for name, row in assessment.structures.iterrows():
         out.print(Text(f"{name}: {row['factors']}"), style="dim")
     out.print(
@@ -113,11 +110,8 @@ def _given(given: dict[str, Any], out: Console) -> None:
     out.print(f"log-loss of the others {_number(given['log_loss_of_possible'])}")
 
 
-def _table(title: str, *columns: str) -> Table:
-    table = Table(title=f"\n{title}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    for number, name in enumerate(columns):
-        table.add_column(name, justify="right" if number else "left", no_wrap=True)
-    return table
+def _table(title: str, first: str, *columns: str) -> TextTable:
+    return TextTable(word(first), *columns, title=f"\n{title}", style="bold")
 
 
 def _number(value: float, sign: str = "") -> str:

@@ -6,24 +6,21 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rich import box
-from rich.table import Table
 from rich.text import Text
 
 from bayeshunt.views.terminal import out
+from bayeshunt.views.text_tables import TextTable, folding, word
 
 _WIDTH = 100  # columns of running text, at most
+_SOME = 16  # and at least
 
 
 def names_table(columns: Sequence[str], rows: Iterable[Sequence[str]], notes: Iterable[str]) -> None:
     """Print a row for each thing there is, the name first and what it is last, and notes below."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for column in columns[:-1]:
-        table.add_column(column, no_wrap=True)
-    table.add_column(columns[-1], overflow="fold")
+    table = TextTable(*map(word, columns[:-1]), folding(columns[-1], _SOME))
     for row in rows:
-        table.add_row(*map(Text, row))
-    out.print(table)
+        table.row(*row)
+    table.print(out)
     for note in notes:
         out.print(note, style="dim")
 
@@ -66,13 +63,10 @@ def planner_page(facts: Any) -> None:
         out.print("It has no settings.")
         return
     out.print()
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("setting", no_wrap=True)
-    for name in ("type", "range", "default", "meaning"):
-        table.add_column(name, overflow="fold")
+    table = TextTable(word("setting"), *map(folding, ("type", "range", "default", "meaning")))
     for s in facts.settings:
-        table.add_row(*map(Text, (s.name, s.kind, s.range, toml_text(s.default), s.meaning)))
-    out.print(table)
+        table.row(s.name, s.kind, s.range, toml_text(s.default), s.meaning)
+    table.print(out)
     _how_to_set(facts)
 
 

@@ -199,13 +199,13 @@ def spark(values: np.ndarray, width: int = 12) -> str:
 
 def align(head: Sequence[str], rows: Sequence[Sequence[str]], *, left: set[int] | None = None) -> list[str]:
     """Return lines of a table with two spaces between columns; columns ``left`` are left-aligned."""
+    from bayeshunt.views.text_tables import TextTable, number, word
+
     lefts = {0} if left is None else left
-    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-    lines = []
-    for row in [head, *rows]:
-        cells = (c.ljust(w) if i in lefts else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
-        lines.append("  ".join(cells).rstrip())
-    return lines
+    table = TextTable(*(word(name) if i in lefts else number(name) for i, name in enumerate(head)), ruled=False)
+    for row in rows:
+        table.row(*row)
+    return table.lines()
 
 
 def clean(name: Any, length: int = _MOST_NAME) -> str:

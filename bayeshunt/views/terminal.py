@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator
 from datetime import timedelta
 from typing import Any
 
-from rich import box
-from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -19,16 +17,15 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.table import Table
 from rich.text import Text
 
+from bayeshunt.views.text_tables import TextTable, folding, word
 from bayeshunt.views.units import degrees, millimetres, objective
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
 
 _BAR = 30  # characters of a full bar
-_FOLDED = 8  # characters that a column which may fold keeps at least
 
 
 @contextlib.contextmanager
@@ -46,42 +43,23 @@ def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Cal
         yield lambda count: progress.update(task, advance=count)
 
 
-def say(text: str) -> None:
+def say(line: str) -> None:
     """Print one message line on stderr; what has been done does not fail because nobody can be told."""
     with contextlib.suppress(OSError):
-        messages.print(text, soft_wrap=True, markup=False)
-
-
-def print_table(table: Table) -> None:
-    """Print a table with every number whole: names fold, and where that is not enough lines outgrow the terminal."""
-    whole = out.measure(table, options=out.options.update(max_width=10_000)).maximum
-    for column in table.columns:
-        if not column.no_wrap:
-            widest = max(cell_len(str(part)) for part in (column.header, *column.cells))
-            whole -= max(widest - (column.min_width or _FOLDED), 0)
-    if whole > out.width:
-        table.width = whole
-    out.print(table, crop=False)
+        messages.print(line, soft_wrap=True, markup=False)
 
 
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     """Print the table of an evaluation: the totals, the paper's figures beside ours."""
-    table = Table(
-        title=f"{facts['experiment']}, seed {facts['seed']}",
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
-    )
-    table.add_column("planner", overflow="fold")  # the one that gives way in a narrow terminal
-    for name in ("arena", *(["theta"] if per_theta else [])):
-        table.add_column(name, no_wrap=True)
     # per bearing the paper printed nothing that could stand beside ours
     printed = not per_theta and any(row["paper_success"] is not None for row in facts["rows"])
     beside = ("paper %", "diff") if printed else ()
     marked = facts.get("not_ab_initio", ())
-    for name in ("caught", "success %", "95 % interval", "mean s", *beside):
-        table.add_column(name, justify="right", no_wrap=True)
+    places = [folding("planner"), word("arena"), *([word("theta")] if per_theta else [])]
+    table = TextTable(
+        *places, "caught", "success %", "95 % interval", "mean s", *beside,
+        title=f"{facts['experiment']}, seed {facts['seed']}",
+    )  # fmt: skip
     previous = None
     for row in facts["rows"]:
         total = row["theta"] is None
@@ -89,13 +67,13 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
             continue
         place = (row["planner"], row["arena"]) if per_theta else row["arena"]
         if previous is not None and place != previous:
-            table.add_section()
+            table.section()
         previous = place
         cells = _cells(row)
         cells[0] += " *" if row["planner"] in marked else ""
         shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
-        table.add_row(*shown, style="bold" if total and per_theta else None)
-    print_table(table)
+        table.row(*shown, style="bold" if total and per_theta else None)
+    table.print(out)
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
     if marked:
@@ -105,14 +83,10 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
 
 def status_table(found: Any) -> None:
     """Print how far an evaluation is."""
-    table = Table(box=None, pad_edge=False)
-    for name in ("planner", "arena"):
-        table.add_column(name, no_wrap=True)
-    for name in ("ended", "of", "caught"):
-        table.add_column(name, justify="right", no_wrap=True)
+    table = TextTable(word("planner"), word("arena"), "ended", "of", "caught", ruled=False)
     for share in found.shares:
-        table.add_row(share.planner, share.arena, f"{share.ended:,}", f"{share.planned:,}", f"{share.caught:,}")
-    print_table(table)
+        table.row(share.planner, share.arena, f"{share.ended:,}", f"{share.planned:,}", f"{share.caught:,}")
+    table.print(out)
     percent = 100 * found.ended / found.planned
     out.print(f"{found.experiment}: {found.ended:,} of {found.planned:,} hunts, {percent:.1f} %", style="bold")
     if found.running and found.rate:
@@ -128,19 +102,15 @@ def status_table(found: Any) -> None:
 
 def episode_table(episode: Any) -> None:
     """Print one hunt: a row per decision, then how it ended."""
-    table = Table(
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
+    table = TextTable(
+        "step", "time", "prey at", "bearing", "aims at", word("gait"), "value", "moves seen",
         title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
-    )
-    for name in ("step", "time", "prey at", "bearing", "aims at", "gait", "value", "moves seen"):
-        table.add_column(name, justify="left" if name == "gait" else "right", no_wrap=True)
+    )  # fmt: skip
     for row in episode.frame.itertuples():
         seen = millimetres(row.seen_distance), degrees(row.seen_angle), millimetres(row.target_distance)
         value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
-        table.add_row(str(row.step), f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
-    print_table(table)
+        table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
+    table.print(out)
     what = objective(0.0, episode.frame["objective"].iloc[0])[1] if len(episode.frame) else ""
     out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
@@ -153,36 +123,29 @@ def episode_table(episode: Any) -> None:
 
 def settings_table(rows: list[dict[str, Any]]) -> None:
     """Print every settings key with its range, default and meaning."""
-    table = Table(box=None, pad_edge=False)
-    table.add_column("key", no_wrap=True)  # it is there to be copied
-    for name in ("range", "default", "meaning"):
-        table.add_column(name, overflow="fold")
+    table = TextTable(word("key"), folding("range"), folding("default"), folding("meaning"), ruled=False)
     for row in rows:
-        table.add_row(*(Text(str(row[name])) for name in ("key", "range", "default", "meaning")))
-    print_table(table)
+        table.row(*(row[name] for name in ("key", "range", "default", "meaning")))
+    table.print(out)
 
 
 def sweep_table(frame: Any) -> None:
     """Print a sweep: one row per point, planner and arena."""
     axes = frame.attrs["axes"]
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
-                  title=f"{frame.attrs['experiment']}, seed {frame.attrs['seed']}")  # fmt: skip
-    for name in axes:
-        table.add_column(name, overflow="fold")
-    table.add_column("planner", overflow="fold", min_width=15)
-    table.add_column("arena", overflow="fold", min_width=6)
-    for name in ("caught", "success %", "95 % interval", "mean s"):
-        table.add_column(name, justify="right", no_wrap=True)
+    table = TextTable(
+        *map(folding, axes), folding("planner", 15), word("arena"), "caught", "success %", "95 % interval", "mean s",
+        title=f"{frame.attrs['experiment']}, seed {frame.attrs['seed']}",
+    )  # fmt: skip
     previous = None
     for row in frame.to_dict("records"):
         point = [row[name] for name in axes]
         if previous is not None and point != previous:
-            table.add_section()
+            table.section()
         previous = point
         shown = [f"{v:g}" if isinstance(v, float) else str(v) for v in point]
         cells = _cells({**row, "theta": None, "paper_success": None})
-        table.add_row(*shown, *cells[:2], *cells[3:7])
-    print_table(table)
+        table.row(*shown, *cells[:2], *cells[3:7])
+    table.print(out)
     if frame.attrs["note"]:
         out.print(Text(frame.attrs["note"], style="italic"))
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
@@ -190,22 +153,20 @@ def sweep_table(frame: Any) -> None:
 
 def tradeoff_table(frame: Any) -> None:
     """Print a trade-off: one row per planner and weight."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), title_justify="left",
-                  title="{experiment} in {arena}, seed {seed}".format(**frame.attrs))  # fmt: skip
-    table.add_column("planner", overflow="fold", min_width=10)
-    table.add_column("varied", overflow="fold", min_width=11)
-    for name in ("caught", "95 %", "s", "m", "changes", "ms", "cost"):
-        table.add_column(name, justify="right", no_wrap=True)
+    table = TextTable(
+        folding("planner", 10), folding("varied", 11), "caught", "95 %", "s", "m", "changes", "ms", "cost",
+        title="{experiment} in {arena}, seed {seed}".format(**frame.attrs),
+    )  # fmt: skip
     for row in frame.to_dict("records"):
         varied = f"{row['weight']} {row['value']:g}" if row["weight"] else ""
         caught, _, interval, mean = _cells({**row, "arena": "", "theta": None, "paper_success": None})[3:7]
         interval = interval.replace(" to ", "-")  # so that all fits into 80 columns
-        table.add_row(
+        table.row(
             row["planner"], varied, caught, interval, mean,
             f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
             f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
         )  # fmt: skip
-    print_table(table)
+    table.print(out)
     weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
     out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
     out.print("95 %: Wilson interval of the success in per cent. s, m, changes: mean time, distance and changes "
@@ -234,14 +195,11 @@ def posterior_bars(answer: Any) -> None:
     from bayeshunt.views import grounds
 
     out.print(Text(f"P(Gait | {', '.join(answer.evidence)})", style="bold"))
-    table = Table(box=None, show_header=False, pad_edge=False)
-    table.add_column("gait", no_wrap=True)
-    table.add_column("bar", no_wrap=True, min_width=_BAR)
-    table.add_column("probability", justify="right")
+    table = TextTable(word("gait"), word("bar"), "probability", ruled=False, head=False)
     for gait, probability in answer.probabilities.items():
         style = "bold" if gait == answer.best else None
-        table.add_row(Text(str(gait)), _bar(float(probability)), f"{probability:.4f}", style=style)
-    print_table(table)
+        table.row(gait, f"{_bar(float(probability)):<{_BAR}}", f"{probability:.4f}", style=style)
+    table.print(out)
     used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
     for variable, state in answer.model.known.items():
         out.print(Text(f"{variable:<21}{state}"))
@@ -258,16 +216,12 @@ def explanation_table(answer: Any) -> None:
     parts = ["prior", "Distance", "Angle", *(["Heading"] if answer.heading is not None else []), "log_odds"]
     out.print()
     out.print(Text("What each variable said", style="bold"))
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("gait", no_wrap=True)
-    table.add_column("compared with", no_wrap=True)
-    for part in parts:
-        table.add_column(part.replace("_", "-"), justify="right", no_wrap=True)
+    table = TextTable(word("gait"), word("compared with"), *(part.replace("_", "-") for part in parts))
     for gait, row in frame.iterrows():
         style = "bold" if gait == answer.best else None
         numbers = ("never" if row[part] == -math.inf else f"{row[part]:+.2f}" for part in parts)
-        table.add_row(Text(str(gait)), Text(str(row["reference"])), *numbers, style=style)
-    print_table(table)
+        table.row(gait, row["reference"], *numbers, style=style)
+    table.print(out)
     never = "not seen there" if answer.model.has_counts else "of probability 0 there"
     out.print(f"Natural logarithms of ratios; the parts add up to the log-odds. never: {never}.", style="dim")
 
