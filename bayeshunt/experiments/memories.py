@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import check_whole
 from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import InputError
 from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import check_arenas, learn_model
 from bayeshunt.geometry import Polar, Pose
@@ -45,8 +45,7 @@ def remember(
     Raises InputError for a wrong number, an unknown planner, or an arena that is unknown or named twice.
     """
     settings = load_experiment(experiment)
-    if isinstance(runs, bool) or not isinstance(runs, (int, np.integer)) or runs < 1:
-        raise InputError(f"runs: expected a whole number of at least 1, got {runs!r}")
+    check_whole(runs, "runs", 1)
     chosen = list(arenas) if arenas else list(settings.arenas)
     check_arenas(settings, chosen)
     body, sizes = settings.robot.body.diameter, settings.model

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.checks import check_whole
 from bayeshunt.config import ExperimentSettings, GaitSettings, RobotSettings
 from bayeshunt.dataset import path_columns
-from bayeshunt.errors import InputError
 from bayeshunt.experiments.identity import versions
 from bayeshunt.experiments.store import check_output_folder
 from bayeshunt.geometry import Polar
@@ -45,8 +45,7 @@ def reference(
     """
     settings = load_experiment(experiment)
     for name, value, least in (("samples", samples, 1), ("angles", angles, 4), ("headings", headings, 4)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-            raise InputError(f"{name}: expected a whole number of at least {least}, got {value!r}")
+        check_whole(value, name, least)
     facts = _facts(settings, seed, samples, angles, headings)
     kept = None if cache is None else check_output_folder(cache) / f"reference-{facts['digest'][:16]}.npz"
     if kept is not None and kept.is_file():

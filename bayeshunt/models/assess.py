@@ -17,6 +17,7 @@ import pandas as pd
 
 from bayeshunt import displays
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import check_whole
 from bayeshunt.errors import InputError
 from bayeshunt.gaits import Gait, GaitRepertoire
 from bayeshunt.models import assess_scores as scores
@@ -217,8 +218,7 @@ def _check(model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior
     if model is not None and axes is not None:
         raise InputError("give a model or axes, not both: the model brings its own bins")
     for name, value, least in (("seed", seed, 0), ("permutations", permutations, 1)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-            raise InputError(f"{name}: expected a whole number of at least {least}, got {value!r}")
+        check_whole(value, name, least)
     if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)) or not 0 <= prior < math.inf:
         raise InputError(f"prior: expected a finite pseudo-count >= 0, got {prior!r}")
 
