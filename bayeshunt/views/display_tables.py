@@ -33,7 +33,7 @@ def _origin(shown: ProbabilityTable) -> str:
 
 
 def heat_table(shown: ProbabilityTable) -> Html:
-    """Return the heat table of one CPT, with a switch between probabilities and counts where these are known."""
+    """Return the heat table of one CPT, with switches that show counts and intervals where these are known."""
     values = shown.probability.to_numpy()
     behind = _behind(shown)
     kept = _rows_to_show(values)
@@ -46,13 +46,14 @@ def heat_table(shown: ProbabilityTable) -> Html:
             for j in range(len(columns))
         ]
         rows.append(row(labels[i], cells))
-    switch = tag("label", tag("input", type="checkbox"), "show counts", class_="bh-switch") if behind else None
+    shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")] if behind else []
+    switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
     hint = f"Hover a cell for its {'count and interval' if behind else 'probability'}."
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
-    return tag("div", switch, body, note, class_="bh-table")
+    return tag("div", *switches, body, note, class_="bh-table")
 
 
 def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
@@ -73,6 +74,7 @@ def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: lis
         n, low, high, total = behind
         hint += f", {100 * shown.level:g} % interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
         content.append(tag("span", int(n) or "·", class_="bh-n"))
+        content.append(tag("span", f"{low:.3f} to {high:.3f}", class_="bh-i"))
     shade = math.sqrt(p / top)
     zero = "bh-zero" if p == 0 else None
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)

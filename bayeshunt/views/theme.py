@@ -57,16 +57,17 @@ _RULES = """
 .bh .bh-heat td{background:rgba(var(--bh-heat),var(--p,0))}
 .bh .bh-heat td:hover{outline:2px solid var(--bh-accent);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
-.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
- position:absolute;left:0;bottom:0;font-size:12px}
+@media(hover:hover){.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
+ position:absolute;left:0;bottom:0;font-size:12px}}
 .bh .bh-readout:has(td:hover)::before{content:""}
 .bh .bh-readout td:hover::after{content:attr(title);position:absolute;left:0;bottom:0;font-size:12px;
  color:var(--bh-ink);pointer-events:none}
 .bh .bh-zero{color:var(--bh-faint)}
-.bh .bh-n{display:none}
+.bh .bh-n,.bh .bh-i{display:none}
 .bh .bh-table:has(.bh-switch input:checked) .bh-n{display:inline}
 .bh .bh-table:has(.bh-switch input:checked) .bh-p{display:none}
-.bh .bh-switch{display:inline-flex;gap:6px;align-items:center;margin:0 0 6px;cursor:pointer}
+.bh .bh-table:has(.bh-limits input:checked) .bh-i{display:block;font-size:11px}
+.bh .bh-switch,.bh .bh-limits{display:inline-flex;gap:6px;align-items:center;margin:0 12px 6px 0;cursor:pointer}
 .bh details{margin:6px 0}
 .bh summary{cursor:pointer}
 .bh .bh-lit,.bh tr.bh-lit th,.bh tr.bh-lit td{background:rgba(var(--bh-glow),.45)}

@@ -56,6 +56,17 @@ def test_the_switch_turns_probabilities_into_counts(show, model) -> None:
     assert cell.inner_text() != str(table.count.to_numpy().max())
 
 
+def test_intervals_can_be_had_without_a_mouse(show, model) -> None:
+    page, watch = show(model.table("Angle"))
+    interval = page.locator("td .bh-i").nth(185)
+    assert not interval.is_visible()
+    page.locator(".bh-limits input").focus()
+    page.keyboard.press("Space")
+    assert interval.is_visible()
+    assert " to " in interval.inner_text()
+    only_itself(watch)
+
+
 def test_the_head_stays_while_a_long_table_scrolls(show, model) -> None:
     page, _ = show(model.table("Angle"))
     box = page.locator(".bh-scroll")

@@ -147,9 +147,13 @@ def test_every_cell_carries_its_count_and_interval(shown) -> None:
         assert int(told["total"]) == table.count.iloc[:, column].sum()
 
 
-def test_the_switch_shows_counts(shown) -> None:
+def test_the_switches_show_counts_and_intervals(shown) -> None:
     page = check(shown.table._repr_html_())
-    assert len(page.find("input")) == 1
+    assert len(page.find("input")) == 2
+    intervals = [e["text"].split(" to ") for e in page.find("span", "bh-i")]
+    limits = zip(shown.table.low.to_numpy().ravel(), shown.table.high.to_numpy().ravel(), strict=True)
+    for written, bounds in zip(intervals, limits, strict=True):
+        assert [float(text) for text in written] == pytest.approx(bounds, abs=5.1e-4)
     counts = [e["text"] for e in page.find("span", "bh-n")]
     expected = ["·" if n == 0 else str(n) for n in shown.table.count.to_numpy().ravel()]
     assert counts == expected
