@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
+from bayeshunt import displays
 from bayeshunt.errors import InputError
 
 
@@ -24,7 +25,7 @@ class Gait:
     command: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class GaitRepertoire(Sequence[Gait]):
     """The gaits of one robot, in the order of every table's columns.
 
@@ -77,6 +78,16 @@ class GaitRepertoire(Sequence[Gait]):
             return self._positions[key]
         except (KeyError, TypeError):
             raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
+
+    def __repr__(self) -> str:
+        body = f"body {1000 * self.body_length:g} mm"
+        return f"<GaitRepertoire: {len(self)} gaits, {body}, each held {self.duration:g} s>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     def __getitem__(self, key: Any) -> Any:
         return self.gaits[self.index(key)] if isinstance(key, str) else self.gaits[key]
