@@ -59,6 +59,7 @@ class ForwardModel(OpenTables):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
     structure: Structure = NAIVE
+    counter: ClassVar[type[JointCounts] | type[PreviousCounts]] = JointCounts  # what it is fitted to
     has_counts: ClassVar[bool] = True  # False for an imported network: its tables have no known counts
 
     def __post_init__(self) -> None:
@@ -153,7 +154,7 @@ class ForwardModel(OpenTables):
         """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError."""
         repertoire = GaitRepertoire.of(gaits)
         grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
-        return cls(JointCounts.empty(repertoire, grid), prior, gait_prior)
+        return cls._of_counts(cls.counter.empty(repertoire, grid), prior, gait_prior, {})
 
     def update(self, rows: pd.DataFrame) -> ForwardModel:
         """Return a new model that has also counted ``rows``; equal to one batch fit of all rows.

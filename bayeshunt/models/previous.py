@@ -14,19 +14,18 @@ Letters: G gaits, K bins of a variable, P part-way poses of a gait.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import methodcaller
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt import tables
-from bayeshunt.axes import EffectAxes
 from bayeshunt.errors import DataError, InputError
-from bayeshunt.gaits import Gait, GaitRepertoire
+from bayeshunt.gaits import Gait
 from bayeshunt.geometry import Polar
 from bayeshunt.models.cells import CountedCells
 from bayeshunt.models.counts import JointCounts
@@ -48,22 +47,9 @@ class PreviousGaitModel(ForwardModel):
     predicted and mean poses are means of all rows.
     """
 
+    counter: ClassVar[type[JointCounts] | type[PreviousCounts]] = PreviousCounts
     structure: Structure = PREVIOUS_GAIT
     by_previous: PreviousCounts = field(kw_only=True)
-
-    @classmethod
-    def empty(
-        cls,
-        gaits: Iterable[Gait | str] | GaitRepertoire,
-        prior: float = 0.0,
-        *,
-        axes: EffectAxes | None = None,
-        gait_prior: str = "uniform",
-    ) -> PreviousGaitModel:
-        """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError."""
-        repertoire = GaitRepertoire.of(gaits)
-        grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
-        return cls._of_counts(PreviousCounts.empty(repertoire, grid), prior, gait_prior, {})
 
     @classmethod
     def _of_counts(
