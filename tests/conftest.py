@@ -4,11 +4,13 @@ import os
 from operator import itemgetter
 
 import pytest
-from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky import ProcessPoolExecutor
 
 from bayeshunt.cli import main
 from bayeshunt.models.forward import ForwardModel
+from bayeshunt.planners import registry
 from bayeshunt.settings import load_robot
+from bayeshunt.world import prey
 from bayeshunt.world.babbling import babble
 
 # Output as in a pipe of 80 columns, whatever terminal or service runs the tests; child processes too.
@@ -32,13 +34,19 @@ def khepera_model(khepera_frame):
 @pytest.fixture(scope="session")
 def worker():
     """Send a thing to a worker process and back, as an evaluation sends its model: a function."""
-    pool = get_reusable_executor(max_workers=1)
+    # A pool of its own: joblib goes on with loky's shared one and expects to have made it.
+    with ProcessPoolExecutor(max_workers=1) as pool:
+        yield lambda thing: pool.submit(itemgetter(0), (thing,)).result(timeout=60)
 
-    def sent(thing):
-        return pool.submit(itemgetter(0), (thing,)).result(timeout=60)
 
-    yield sent
-    pool.shutdown(wait=True)
+@pytest.fixture(autouse=True)
+def registered_again():
+    """Forget, after every test, the prey and planners that it has registered."""
+    kept = [(known, dict(known)) for known in (prey._BEHAVIOURS, registry._REGISTRY)]
+    yield
+    for known, before in kept:
+        known.clear()
+        known.update(before)
 
 
 @pytest.fixture

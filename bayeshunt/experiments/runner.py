@@ -29,6 +29,7 @@ from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.rooms import RoomModel
 from bayeshunt.settings import load_experiment
+from bayeshunt.world.prey import check_behaviour
 
 #: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
@@ -69,6 +70,7 @@ def evaluate(
     is damaged, FolderInUseError if another process is working there.
     """
     settings = experiment_settings(experiment, runs)
+    check_behaviour(settings.prey.behaviour)
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     check_whole(seed, "seed", 0)

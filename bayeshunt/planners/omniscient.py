@@ -12,7 +12,7 @@ from bayeshunt.planners.sequences import SequenceHunter, capture_plan
 
 
 class Omniscient(SequenceHunter):
-    """A bound that hunts: the sequence of earliest capture, the prey's true noise-free future known.
+    """A yardstick that hunts: the sequence of earliest capture, the prey's true noise-free future known.
 
     Every sequence of at most ``depth`` gaits with at most ``max_transitions`` changes is followed
     along its mean path, against the future that the evaluation hands in (``Situation.future``); the
@@ -25,8 +25,8 @@ class Omniscient(SequenceHunter):
     does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
     ``rng`` is not used.
 
-    It stops being exact where noise decides: it follows mean paths. A prey that senses the hunter
-    reacts to it, which the future handed in leaves out.
+    It is a yardstick and no strict bound: it follows mean paths, so where noise decides a hunter that
+    knows less may be sooner. A prey that senses the hunter reacts to it, which the future handed in leaves out.
     """
 
     name = "omniscient"

@@ -185,11 +185,16 @@ def prey_names() -> list[str]:
     return sorted(_BEHAVIOURS)
 
 
+def check_behaviour(name: str) -> None:
+    """Raise InputError if no behaviour is called ``name``."""
+    if name not in _BEHAVIOURS:
+        raise InputError(f"prey.behaviour: unknown behaviour {name!r}; expected one of {', '.join(prey_names())}")
+
+
 def build_prey(context: Context) -> Prey:
     """Return a fresh controller; InputError if the settings name no known behaviour."""
     name = context.settings.behaviour
-    if name not in _BEHAVIOURS:
-        raise InputError(f"prey.behaviour: unknown behaviour {name!r}; expected one of {', '.join(prey_names())}")
+    check_behaviour(name)
     return _BEHAVIOURS[name](context)
 
 

@@ -8,7 +8,9 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.errors import InputError, ResultsError
 from bayeshunt.experiments.plugins import load_plugin, used_additions
+from bayeshunt.experiments.runner import evaluate
 from bayeshunt.experiments.sources import imported_files, source_hashes
+from bayeshunt.settings import load_experiment
 
 PLUGIN = """
 import bayeshunt as bh
@@ -141,3 +143,9 @@ def test_results_of_a_changed_helper_of_a_plugin_are_not_mixed(tmp_path, khepera
     (tmp_path / "speeds_of_a_helper.py").write_text("SPEED = 0.03\n")
     with pytest.raises(ResultsError, match=r"SHA-256 of the file speeds_of_a_helper\.py of prey circle_of_helped is"):
         bh.evaluate(settings, **what)
+
+
+def test_an_unknown_prey_is_refused_before_any_work(monkeypatch):
+    monkeypatch.setattr("bayeshunt.experiments.runner.learn_model", lambda *_: pytest.fail("it babbled"))
+    with pytest.raises(InputError, match="unknown behaviour 'rabbit'"):
+        evaluate(load_experiment("paper", {"prey.behaviour": "rabbit"}), runs=1)
