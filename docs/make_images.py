@@ -16,6 +16,7 @@ from pathlib import Path
 from playwright.sync_api import Browser, sync_playwright
 
 import bayeshunt as bh
+from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.views.figures_hunts import hunts
 from bayeshunt.views.figures_style import save
@@ -23,7 +24,7 @@ from bayeshunt.views.pages import asset, embed
 
 IMAGES = Path(__file__).parent / "images"
 #: Planners of the figure of hunts, and the hunt that all of them get.
-PLANNERS, THETA, SEED = ("reactive", "prediction", "planning", "intercept"), 4.0, 8
+PLANNERS, THETA, SEED = ("reactive", "prediction", "planning", "intercept_walls"), 4.0, 8
 LIMIT = 200_000  # bytes of one picture
 
 _STAND_IN = """
@@ -42,14 +43,9 @@ def main() -> None:
     IMAGES.mkdir(exist_ok=True)
     settings = bh.load_experiment("paper")
     model = learn_model(settings, 0)
+    rooms = learn_rooms(settings, PLANNERS, settings.arenas, 0, model)
     episodes = [
-        bh.hunt(
-            settings,
-            bh.make_planner(name, model, **settings.planner.get(name, {})),
-            arena=arena,
-            theta=THETA,
-            seed=SEED,
-        )
+        bh.hunt(settings, prepare_planner(name, model, settings, rooms, arena), arena=arena, theta=THETA, seed=SEED)
         for arena in ("walled", "open")
         for name in PLANNERS
     ]
