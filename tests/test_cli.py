@@ -35,6 +35,20 @@ def test_the_whole_way(bayeshunt, folder):
     out, _ = bayeshunt("query", "m.json", "--distance", "0.19", "--angle", "0")
     assert "P(evidence)" in out
     assert "babbling rows" in out
+    assert "asked                190 mm, 0 deg" in out
+    assert "nearest" not in out
+    assert "out of reach" not in out
+    out, _ = bayeshunt("query", "m.json", "--distance", "16", "--angle", "0.5")
+    assert "asked                16 m, 28.6 deg" in out
+    assert "(nearest, 15.8 m away; " in out
+    assert "out of reach: no gait ever went farther than" in " ".join(out.split())
+    out, _ = bayeshunt("query", "m.json", "--distance", "16", "--angle", "0.5", "--heading", "-3", "--json")
+    answer = json.loads(out)
+    assert answer["asked"] == {"distance": 16.0, "angle": 0.5, "heading": -3.0}
+    assert answer["beyond"] is True
+    assert 15.7 < answer["gap"] < 16
+    assert 0.19 < answer["farthest"] < 0.22
+    assert answer["heading_gap"] > 1
     out, _ = bayeshunt("hunt", "--model", "m.json", "--arena", "walled", "--theta", "3", "--out", "h.parquet", "--json")
     assert json.loads(out)["caught"] is True
     assert (folder / "h.parquet").exists()

@@ -19,7 +19,7 @@ from bayeshunt.errors import InputError
 
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
 def babble(
-    out: Annotated[Path, out_file("Parquet file to write.")],
+    out: Annotated[Path, out_file("Parquet file to write.", "tables", ".parquet")],
     robot: Annotated[
         str,
         typer.Option(help="Robot preset (khepera, car) or the path of a TOML file.", autocompletion=complete_robot),
@@ -40,9 +40,6 @@ def babble(
     from bayeshunt.experiments.babbling import babble_to_file, kept_rows
     from bayeshunt.views import terminal
 
-    if out.suffix.lower() == ".csv":
-        raise InputError(f"{out}: tables are Parquet, not CSV; name it {out.with_suffix('.parquet')}")
-
     def kept() -> str:
         rows = kept_rows(out)
         if not rows:
@@ -61,9 +58,11 @@ def fit(
     data: Annotated[
         list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
     ],
-    out: Annotated[Path, out_file("Model file (JSON) to write.")],
+    out: Annotated[Path, out_file("Model file (JSON) to write.", "models", ".json")],
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
-    xmlbif: Annotated[Path | None, out_file("Also export the network as XMLBIF, with its labels.")] = None,
+    xmlbif: Annotated[
+        Path | None, out_file("Also export the network as XMLBIF, with its labels.", "networks", ".xmlbif")
+    ] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     structure: Annotated[
         str,
@@ -133,7 +132,8 @@ def query(
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,
             "evidence": answer.evidence, "evidence_probability": float(answer.evidence_probability),
             "support": answer.support, "snapped": bool(answer.snapped),
-            "cell": answer.cell._asdict(),
+            "cell": answer.cell._asdict(), "asked": answer.target._asdict(), "farthest": answer.farthest,
+            "beyond": answer.beyond, "gap": answer.gap, "heading_gap": answer.heading_gap,
         }  # fmt: skip
         if explain:
             facts["explanation"] = _plain(answer.explain())

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt import displays
-from bayeshunt.geometry import Polar
+from bayeshunt.geometry import Polar, wrap
 
 if TYPE_CHECKING:
     from bayeshunt.models.forward import ForwardModel
@@ -113,6 +114,51 @@ class Posterior(NamedTuple):
         return Polar(self.distance, self.angle, self.heading)
 
     @property
+    def gap(self) -> float:
+        """Metres from the target to the centre of the learned coordinate used; within half a bin unless snapped."""
+        used = Polar(self.cell.distance, self.cell.angle, None)
+        return math.hypot(self.target.forward - used.forward, self.target.right - used.right)
+
+    @property
+    def heading_gap(self) -> float | None:
+        """Radians, >= 0, from the heading asked to the one used; None if none was asked."""
+        if self.heading is None or self.cell.heading is None:
+            return None
+        return abs(float(wrap(self.heading - self.cell.heading)))
+
+    @property
+    def farthest(self) -> float:
+        """Metres: the far edge of the farthest learned coordinate; nothing beyond it was ever reached."""
+        return float(self.model.axes.distance.edges[self.model.learned_cells[:, 0].max() + 1])
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the target lies farther away than everything ever reached (:attr:`farthest`)."""
+        return self.distance >= self.farthest
+
+    @property
+    def asked(self) -> str:
+        """The target in words: "160 mm, 28.6 deg"; its heading too, where one was asked."""
+        heading = "" if self.heading is None else f", heading {_degrees(self.heading)}"
+        return f"{_length(self.distance)}, {_degrees(self.angle)}{heading}"
+
+    @property
+    def missed_by(self) -> str:
+        """How far the coordinate used is from the target: "15.8 m away, heading 112 deg off"; "" unless snapped."""
+        place, heading = self._misses()
+        away = [f"{_length(place)} away"] if place is not None else []
+        return ", ".join([*away, *([f"heading {_degrees(heading)} off"] if heading is not None else [])])
+
+    def _misses(self) -> tuple[float | None, float | None]:
+        """Metres and radians by which place and heading were missed; None for one that is in its own bin."""
+        if not self.snapped:
+            return None, None
+        axes, cell = self.model.axes, self.cell
+        moved = (axes.distance.index(self.distance), axes.angle.index(self.angle)) != cell[:2]
+        turned = self.heading is not None and axes.heading.index(self.heading) != cell.heading_bin
+        return (self.gap if moved else None), (self.heading_gap if turned else None)
+
+    @property
     def best(self) -> str:
         """Name of the most probable gait; ties go to the first in table order."""
         return self.source.best
@@ -143,10 +189,30 @@ class Posterior(NamedTuple):
         evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())
         best = float(self.values.max())
         support = "support unknown" if self.support is None else f"{self.support} rows"
-        return f"<Posterior: {self.best} {best:.3f} given {evidence}; {support}>"
+        return f"<Posterior: {self.best} {best:.3f} given {evidence}{self._snap()}; {support}>"
+
+    def _snap(self) -> str:
+        """What was asked and how far off the answer is, as short as can be; "" unless snapped."""
+        if not self.snapped:
+            return ""
+        angles = [_degrees(value, 0) for value in (self.angle, self.heading) if value is not None]
+        place, heading = self._misses()
+        missed = [_length(place)] if place is not None else []
+        missed += [f"{'' if missed else 'heading '}{_degrees(heading, 0)}"] if heading is not None else []
+        return f", for {', '.join([_length(self.distance), *angles])} ({', '.join(missed)} off)"
 
     def __str__(self) -> str:
         return displays.to_text(self)
 
     def _repr_html_(self) -> str | None:
         return displays.to_html(self)
+
+
+def _length(metres: float) -> str:
+    """A length for people: "160 mm", "15.8 m"."""
+    return f"{metres:.3g} m" if metres >= 1.0 else f"{1000.0 * metres:.3g} mm"
+
+
+def _degrees(radians: float, digits: int = 1) -> str:
+    """An angle for people: "28.6 deg"; never "-0 deg"."""
+    return f"{round(math.degrees(radians), digits) + 0.0:g} deg"

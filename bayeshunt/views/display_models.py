@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from bayeshunt.axes import EFFECTS
 from bayeshunt.errors import ZeroCountError
 from bayeshunt.models.forward import ForwardModel
@@ -75,20 +73,19 @@ def posterior(answer: Posterior) -> Html:
 
 def posterior_facts(answer: Posterior) -> Html:
     """Return what an answer rests on."""
-    asked = f"{answer.distance * 1000:.1f} mm, {math.degrees(answer.angle):.1f}°"
-    if answer.heading is not None:
-        asked += f", heading {math.degrees(answer.heading):.1f}°"
     used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
     nearest = f" ({grounds.snapped(answer)})" if answer.snapped else ""
     name = "learned coordinate used" if answer.model.has_counts else "coordinate used"
-    return facts(
+    rests_on = facts(
         [
-            ("asked", asked),
+            ("asked", answer.asked),
             (name, used + nearest),
             ("P(evidence)", number(answer.evidence_probability, 4)),
             ("support", grounds.support(answer)),
         ]
     )
+    note = tag("div", grounds.beyond(answer), class_="bh-note") if answer.beyond else None
+    return join([rests_on, note])
 
 
 def bars(shares: dict[str, float], lit: str | None = None) -> Html:

@@ -80,14 +80,18 @@ def posterior(answer: Posterior) -> str:
     lines = [f"P(Gait | {', '.join(answer.evidence)})", ""]
     lines += bars(zip(answer.source.gaits, answer.values.tolist(), strict=True))
     used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
-    nearest = f" ({grounds.snapped(answer)})" if answer.snapped else ""
+    nearest = [f"{'':<20}({grounds.snapped(answer)})"] if answer.snapped else []
+    note = grounds.beyond(answer).replace(". ", ".\n").splitlines()
     return "\n".join(
         [
             *lines,
             "",
-            f"{grounds.coordinate_used(answer.model):<18}  {used}{nearest}",
+            f"asked               {answer.asked}",
+            f"{grounds.coordinate_used(answer.model):<18}  {used}",
+            *nearest,
             f"P(evidence)         {answer.evidence_probability:.6g}",
             f"support             {grounds.support(answer)}",
+            *note,
         ]
     )
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 #: Why nothing is known of the rows behind an imported network.
 NO_COUNTS = "an imported network carries no counts"
-_NO_CHANCE = "nearest; the target itself has probability 0"
+_NO_CHANCE = "the target itself has probability 0"
 #: What the tables of a model that depends on the gait before are, unless it is asked for those after a gait.
 SUMMED_OVER = "The gait before is summed over; model.after(gait) has the tables after one gait, with their counts."
 
@@ -35,7 +35,19 @@ def snapped(answer: Posterior) -> str:
     if not answer.snapped:
         return ""
     after = "".join(f" after {state}" for state in answer.model.known.values())
-    return f"nearest; the target itself was never babbled{after}" if answer.model.has_counts else _NO_CHANCE
+    why = f"the target itself was never babbled{after}" if answer.model.has_counts else _NO_CHANCE
+    return f"nearest, {answer.missed_by}; {why}"
+
+
+def beyond(answer: Posterior) -> str:
+    """Return a note where the target lies beyond everything that a gait ever reached, "" elsewhere."""
+    if not answer.beyond:
+        return ""
+    went = "ever went" if answer.model.has_counts else "goes"
+    return (
+        f"out of reach: no gait {went} farther than {1000 * answer.farthest:.4g} mm, so this is the gait towards it, "
+        "not one that gets there. Distances are metres, angles radians."
+    )
 
 
 def coordinates(model: ForwardModel) -> str:

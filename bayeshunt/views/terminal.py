@@ -203,11 +203,14 @@ def posterior_bars(answer: Any) -> None:
     used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
     for variable, state in answer.model.known.items():
         out.print(Text(f"{variable:<21}{state}"))
+    out.print(f"asked                {answer.asked}")
     out.print(f"{grounds.coordinate_used(answer.model):<18}   {used}")
     if answer.snapped:
         out.print(f"                     ({grounds.snapped(answer)})")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
     out.print(f"support              {grounds.support(answer)}")
+    if answer.beyond:
+        out.print(grounds.beyond(answer), style="italic")
 
 
 def explanation_table(answer: Any) -> None:

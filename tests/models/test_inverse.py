@@ -49,6 +49,26 @@ def test_evidence_probability_by_hand(three_cells: InverseModel) -> None:
     assert answer.values.tolist() == [1.0, 0.0, 0.0]
 
 
+def test_an_answer_says_how_far_it_is_from_what_was_asked(three_cells: InverseModel) -> None:
+    own = three_cells.posterior(0.27, 0.0)
+    assert (own.missed_by, own.beyond, own.heading_gap) == ("", False, None)
+    assert own.gap == pytest.approx(0.02)
+    far = three_cells.posterior(16, 0.0)
+    assert (far.gap, far.farthest) == (pytest.approx(15.75), pytest.approx(0.3))
+    assert (far.asked, far.missed_by, far.beyond) == ("16 m, 0 deg", "15.8 m away", True)
+    assert ", for 16 m, 0 deg (15.8 m off); 1 rows>" in repr(far)
+    assert repr(own).endswith("Angle 0 deg; 1 rows>")
+    near = three_cells.posterior(0.1, math.pi / 2)  # its own bin was never reached, though it is near enough
+    assert (near.gap, near.beyond) == (pytest.approx(math.hypot(0.1, 0.05)), False)
+    turned = three_cells.posterior(0.25, -0.0, math.radians(112))  # learned there: heading 0 alone
+    assert turned.asked == "250 mm, 0 deg, heading 112 deg"
+    assert turned.missed_by == "heading 112 deg off"  # and not "away": the place is the one asked for
+    assert ", for 250 mm, 0 deg, 112 deg (heading 112 deg off)" in repr(turned)
+    assert turned.heading_gap == pytest.approx(math.radians(112))
+    assert three_cells.posterior(0.299, 0.0).beyond is False
+    assert three_cells.posterior(0.301, 0.0).beyond is True
+
+
 def test_nearest_is_cartesian(three_cells: InverseModel) -> None:
     # 0.1 m at 90 degrees: in bins "right" is 2 away and "near" 9; in metres "near" is 0.112, "right" 0.15.
     answer = three_cells.posterior(0.1, math.pi / 2)

@@ -279,6 +279,17 @@ def test_snapping_is_said(shown) -> None:
     assert "never babbled" not in exact._repr_html_()
 
 
+def test_a_target_out_of_reach_is_said(shown) -> None:
+    for inverse, words in ((shown.inverse, "no gait ever went"), (shown.imported_inverse, "no gait goes")):
+        far = inverse.posterior(16, -0.0)
+        for text in (str(far), check(far._repr_html_()).text):
+            assert words in text
+            assert "16 m, 0 deg" in text
+            assert f"{far.gap:.1f} m away" in text
+        own = inverse.posterior(*far.cell[2:4])
+        assert "out of reach" not in str(own) + own._repr_html_()
+
+
 def test_a_bar_is_as_long_as_its_probability(shown) -> None:
     page = check(shown.answer._repr_html_())
     widths = [float(e["attributes"]["style"][6:-1]) for e in page.find("span", "bh-bar")]
