@@ -1,10 +1,13 @@
 """Where commands write: every file and folder is looked at before any work, and an output that fails is one line."""
 
+import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import typer
 
@@ -70,6 +73,53 @@ def test_a_folder_is_no_file(refused, folder, command, option):
     assert refused(command, option, "there.svg") == "bayeshunt: there.svg: is a folder; expected a file name\n"
 
 
+#: What a command writes and how the name ends, and an ending that belongs to another kind of file.
+ENDINGS = [
+    ("babble", "out", "tables are Parquet", ".parquet", ".json"),
+    ("fit", "out", "models are JSON", ".json", ".xmlbif"),
+    ("fit", "xmlbif", "networks are XMLBIF", ".xmlbif", ".json"),
+    ("hunt", "out", "episodes are Parquet", ".parquet", ".json"),
+    ("hunt", "replay", "pages are HTML", ".html", ".txt"),
+    ("replay", "out", "pages are HTML", ".html", ".parquet"),
+    ("report", "out", "pages are HTML", ".html", ".PNG"),
+    ("export", "xmlbif", "networks are XMLBIF", ".xmlbif", ".bif"),
+    ("reference", "out", "such tables are NPZ", ".npz", ".json"),
+    ("remember", "out", "memories are JSON", ".json", ".npz"),
+    ("explore", "out", "rooms are JSON", ".json", ".txt"),
+]
+
+
+def test_the_list_of_endings_names_every_file():
+    assert {(command, option) for command, option, *_ in ENDINGS} == {*FILES} - {("assess", "out")}
+
+
+@pytest.mark.parametrize(("command", "option", "said", "right", "wrong"), ENDINGS)
+def test_an_ending_of_another_kind_of_file_is_refused(refused, command, option, said, right, wrong):
+    err = refused(command, option, f"new{wrong}")
+    assert err.startswith(f"bayeshunt: new{wrong}: {said}, not ")
+    assert err.endswith(f"; name it new{right}\n")
+
+
+@pytest.mark.parametrize("ending", ["", ".json", ".txt"])
+def test_a_figure_needs_its_ending(refused, ending):
+    assert refused("assess", "out", f"r{ending}") == (
+        f"bayeshunt: r{ending}: expected a file name that ends in .png or .svg\n"
+    )
+
+
+def test_a_network_in_the_folder_that_export_makes_is_no_table_either(refused):
+    assert "other.out/a.csv: networks are XMLBIF, not CSV" in refused("export", "xmlbif", "other.out/a.csv")
+
+
+@pytest.mark.parametrize("name", ["model", "model.v2", "MODEL.JSON"])
+def test_any_other_ending_is_taken(bayeshunt, folder, khepera_frame, name):
+    from bayeshunt import dataset
+
+    dataset.save(khepera_frame, folder / "b.parquet")
+    bayeshunt("fit", "b.parquet", "--out", name)
+    assert (folder / name).is_file()
+
+
 @pytest.mark.skipif(not NOBODYS.is_dir(), reason="no such folder on this system")
 @each_target
 def test_a_folder_that_cannot_be_written_is_refused(refused, command, option):
@@ -99,6 +149,31 @@ def test_an_ending_may_be_in_capitals(bayeshunt, folder, khepera_frame):
     dataset.save(khepera_frame, folder / "b.parquet")
     bayeshunt("assess", "b.parquet", "--out", "R.PNG", "--permutations", "1", "--structure", "naive")
     assert (folder / "R.PNG").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_command_says_what_it_wrote_and_what_comes_next(bayeshunt, folder, khepera_model):
+    khepera_model.save(folder / "model.json")
+    few = ["--model", "model.json", "--set", "protocol.thetas=[1]"]
+    _, err = bayeshunt("hunt", *few, "--planner", "reactive", "--out", "my hunt.parquet")
+    decisions = len(pd.read_parquet(folder / "my hunt.parquet"))
+    following = "bayeshunt replay 'my hunt.parquet' --out 'my hunt.html'"
+    assert err == f"my hunt.parquet: {decisions} decisions; next: {following}\n"
+    _, err = bayeshunt("evaluate", *few, "--planner", "reactive", "--runs", "1", "--out", "my results", "--jobs", "1")
+    following = "bayeshunt report 'my results' --out report.html"
+    assert err == f"every hunt and the summary are in my results; next: {following}\n"
+
+
+def test_fit_says_a_question_that_its_model_answers(bayeshunt, folder, khepera_frame):
+    from bayeshunt import dataset
+
+    dataset.save(khepera_frame, folder / "b.parquet")
+    for structure in ("naive", "previous_gait"):
+        out, _ = bayeshunt("fit", "b.parquet", "--out", "my model.json", "--structure", structure)
+        command = shlex.split(out.splitlines()[-1].removeprefix("next: "))
+        assert command[:3] == ["bayeshunt", "query", "my model.json"]
+        answer = json.loads(bayeshunt(*command[1:], "--json")[0])
+        assert answer["support"] > 0
+        assert not answer["snapped"]
 
 
 # --- a standard output that fails ------------------------------------------------------------------

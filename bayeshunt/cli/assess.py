@@ -10,7 +10,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Seed
-from bayeshunt.cli.outputs import out_file
+from bayeshunt.cli.outputs import out_figure
 from bayeshunt.errors import InputError
 
 _BINS = "(default: the model's, or {})"
@@ -31,7 +31,7 @@ def assess(
     angle_bins: Annotated[int | None, typer.Option(help="Angle bins " + _BINS.format(36))] = None,
     heading_bins: Annotated[int | None, typer.Option(help="Heading bins " + _BINS.format(36))] = None,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
-    out: Annotated[Path | None, out_file("Write the reliability diagram: a .png or .svg file.")] = None,
+    out: Annotated[Path | None, out_figure("Write the reliability diagram: a .png or .svg file.")] = None,
     as_json: Json = False,
 ) -> None:
     """Score held-out predictions, test the naive Bayes assumption, and compare other structures.
@@ -43,8 +43,6 @@ def assess(
     from bayeshunt.models.interchange import open_model
     from bayeshunt.settings import load_robot
 
-    if out is not None and out.suffix.lower() not in (".png", ".svg"):
-        raise InputError(f"{out}: expected a file name that ends in .png or .svg")
     frame = dataset.load(data)
     forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits

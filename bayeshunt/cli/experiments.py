@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -77,7 +78,8 @@ def evaluate(
         return
     terminal.success_table(facts, per_theta=per_theta)
     if out is not None:
-        terminal.say(f"every hunt and the summary are in {out}")
+        page = f"bayeshunt report {shlex.quote(str(out))} --out report.html"
+        terminal.say(f"every hunt and the summary are in {out}; next: {page}")
 
 
 @app.command(short_help="Show how far an evaluation is.")

@@ -105,7 +105,8 @@ def export(
     ],
     out: Annotated[Path, out_folder("Folder for the CSV files.")],
     xmlbif: Annotated[
-        Path | None, out_file("Also export the network as XMLBIF, its labels beside it.", within_out=True)
+        Path | None,
+        out_file("Also export the network as XMLBIF, its labels beside it.", "networks", ".xmlbif", within_out=True),
     ] = None,
     as_json: Json = False,
 ) -> None:

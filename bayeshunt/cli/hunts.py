@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,8 +38,8 @@ def hunt(
     config: Config = None,
     overrides: Overrides = None,
     babbling_seed: Annotated[int, typer.Option(help="Seed of any babbling that comes first.")] = 0,
-    out: Annotated[Path | None, out_file("Write the episode as Parquet.")] = None,
-    replay: Annotated[Path | None, out_file("Write a page (HTML) that plays the hunt.")] = None,
+    out: Annotated[Path | None, out_file("Write the episode as Parquet.", "episodes", ".parquet")] = None,
+    replay: Annotated[Path | None, out_file("Write a page (HTML) that plays the hunt.", "pages", ".html")] = None,
     as_json: Json = False,
 ) -> None:
     """Run one hunt and show every decision.
@@ -71,6 +72,10 @@ def hunt(
     from bayeshunt.views import terminal
 
     terminal.episode_table(episode)
+    if out is not None:
+        page = shlex.quote(str(out.with_suffix(".html")))
+        following = f"bayeshunt replay {shlex.quote(str(out))} --out {page}"
+        terminal.say(f"{out}: {len(episode.frame)} decisions; next: {following}")
     if replay is not None:
         terminal.say(f"{replay}: open it in a browser to play the hunt")
 

@@ -97,7 +97,15 @@ def fit(
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
     counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")
-    tell(facts, as_json, f"{out}: {counted}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}")
+    following = f"\nnext: bayeshunt query {shlex.quote(str(out))} {_some_target(model)}" if counts.total else ""
+    tell(facts, as_json, f"{out}: {counted}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}{following}")
+
+
+def _some_target(model: Any) -> str:
+    """Options of query that ask for a place that babbling reached."""
+    cells, (distance, angle, _) = model.learned_cells, model.axes
+    near, turned = cells[len(cells) // 2]
+    return f"--distance {distance.centres[near]:.3g} --angle {angle.centres[turned]:.2g}"
 
 
 @app.command(short_help="Ask which gait reaches a target, and on what grounds.")

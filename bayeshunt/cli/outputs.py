@@ -15,13 +15,44 @@ import typer
 from bayeshunt.errors import InputError
 from bayeshunt.files import check_target
 
+#: What an ending says of a file: those of files that are written here, and others that people may ask for.
+_KINDS = {
+    ".parquet": "Parquet", ".json": "JSON", ".npz": "NPZ", ".html": "HTML", ".htm": "HTML", ".png": "PNG",
+    ".svg": "SVG", ".xmlbif": "XMLBIF", ".xml": "XMLBIF", ".bif": "BIF", ".csv": "CSV", ".tsv": "TSV",
+    ".xls": "Excel", ".xlsx": "Excel", ".npy": "NPY", ".txt": "text", ".md": "Markdown", ".toml": "TOML",
+    ".pdf": "PDF", ".jpg": "JPEG", ".jpeg": "JPEG", ".zip": "ZIP", ".db": "SQLite", ".sqlite": "SQLite",
+}  # fmt: skip
 
-def out_file(help_text: str, *, within_out: bool = False) -> Any:
+
+def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False) -> Any:
     """Return an option that names a file to write; a name that cannot be written is refused before any work.
 
-    within_out: it may stand in the folder of ``--out``, which the command makes itself.
+    what, ending: what such files hold ("models") and how their names end (".json"); a name that ends as another
+    kind of file is refused, any other ending is taken. within_out: it may stand in the folder of ``--out``, which
+    the command makes itself.
     """
-    return typer.Option(help=help_text, callback=_checked_file_within if within_out else _checked_file)
+
+    def checked(context: typer.Context, path: Path | None) -> Path | None:
+        if path is not None and not context.resilient_parsing:
+            if not (within_out and _is_within_out(context, path)):
+                _check_file(path)
+            _check_ending(path, what, ending)
+        return path
+
+    return typer.Option(help=help_text, callback=checked)
+
+
+def out_figure(help_text: str) -> Any:
+    """Return an option that names a figure to write: its ending says of which kind, and is needed."""
+    return typer.Option(help=help_text, callback=_checked_figure)
+
+
+def _checked_figure(context: typer.Context, path: Path | None) -> Path | None:
+    if path is not None and not context.resilient_parsing:
+        _check_file(path)
+        if path.suffix.lower() not in (".png", ".svg"):
+            raise InputError(f"{path}: expected a file name that ends in .png or .svg")
+    return path
 
 
 def out_folder(help_text: str) -> Any:
@@ -29,20 +60,23 @@ def out_folder(help_text: str) -> Any:
     return typer.Option(help=help_text, callback=_checked_folder, is_eager=True)  # before the files within it
 
 
-def _checked_file(context: typer.Context, path: Path | None) -> Path | None:
-    if path is not None and not context.resilient_parsing:
-        check_target(path)
-        if not path.parent.is_dir():
-            raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
-        _check_writable(path, Path(os.path.realpath(path)).parent)
-    return path
+def _check_file(path: Path) -> None:
+    check_target(path)
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
+    _check_writable(path, Path(os.path.realpath(path)).parent)
 
 
-def _checked_file_within(context: typer.Context, path: Path | None) -> Path | None:
+def _is_within_out(context: typer.Context, path: Path) -> bool:
+    """Whether a file is to stand in the folder of ``--out``, which has been looked at."""
     folder = context.params.get("out")
-    if path is not None and folder is not None and path.parent.resolve() == Path(folder).resolve():
-        return path  # the folder itself has been looked at
-    return _checked_file(context, path)
+    return folder is not None and path.parent.resolve() == Path(folder).resolve()
+
+
+def _check_ending(path: Path, what: str, ending: str) -> None:
+    asked, written = _KINDS.get(path.suffix.lower()), _KINDS[ending]
+    if asked not in (None, written):
+        raise InputError(f"{path}: {what} are {written}, not {asked}; name it {path.with_suffix(ending)}")
 
 
 def _checked_folder(context: typer.Context, path: Path | None) -> Path | None:

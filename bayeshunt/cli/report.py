@@ -15,7 +15,7 @@ from bayeshunt.cli.outputs import out_file
 @app.command(short_help="Write a page that plays a recorded hunt.")
 def replay(
     episode: Annotated[Path, typer.Argument(help="Episode made by bayeshunt hunt --out.", show_default=False)],
-    out: Annotated[Path, out_file("Page (HTML) to write.")],
+    out: Annotated[Path, out_file("Page (HTML) to write.", "pages", ".html")],
     model: Annotated[
         Path | None, typer.Option(help="Its model: draws where reactive and prediction expect their gait to lead.")
     ] = None,
@@ -38,7 +38,7 @@ def replay(
 @app.command(short_help="Write a page about an evaluation, with hunts to play.")
 def report(
     results: Annotated[Path, typer.Argument(help="Folder made by bayeshunt evaluate --out.", show_default=False)],
-    out: Annotated[Path, out_file("Page (HTML) to write.")],
+    out: Annotated[Path, out_file("Page (HTML) to write.", "pages", ".html")],
     model: Model = None,
     as_json: Json = False,
     quiet: Quiet = False,
