@@ -34,6 +34,29 @@ def check_number(value: Any, name: str, expected: str = "a finite number") -> fl
     return float(value)
 
 
+#: One full turn [rad], rounded up: a number beyond it is likelier one of degrees than a direction.
+FULL_TURN = 6.2832
+
+
+def check_radians(value: Any, name: str) -> float:
+    """Return ``value`` [rad] as a float; InputError unless it is a finite number of at most one turn either way.
+
+    For angles that people type: who reads degrees in every table types degrees sooner or later.
+    """
+    angle = check_number(value, name, "a finite number of radians")
+    if abs(angle) > FULL_TURN:
+        raise InputError(f"{name}: {beyond_a_turn(angle)}")
+    return angle
+
+
+def beyond_a_turn(angle: float) -> str:
+    """Return what is wrong with an angle of more than one turn, and the mend."""
+    return (
+        f"expected radians from -2 pi to 2 pi, got {angle:g}; "
+        f"if that is in degrees, give {math.radians(angle):.4g} (degrees x pi / 180)"
+    )
+
+
 def check_numbers(values: Any, name: str) -> np.ndarray:
     """Return ``values`` as float64; InputError unless they are numbers in a regular array (NaN may be among them)."""
     try:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from bayeshunt import displays
+from bayeshunt.checks import FULL_TURN, beyond_a_turn
 from bayeshunt.errors import ConfigError
 from bayeshunt.gaits import Gait, GaitRepertoire
 
@@ -178,6 +179,14 @@ class ProtocolSettings(Settings):
     prey_distance: Positive = Field(5.0, description="first distance of the prey [body lengths]")
     time_limit: Positive = Field(60.0, description="a run without a catch ends here [s]")
     catch_distance: Positive = Field(1.02, description="centre distance that counts as a catch [body lengths]")
+
+    @field_validator("thetas")
+    @classmethod
+    def _in_radians(cls, thetas: tuple[float, ...]) -> tuple[float, ...]:
+        for theta in thetas:
+            if abs(theta) > FULL_TURN:
+                raise ValueError(beyond_a_turn(theta))
+        return thetas
 
 
 class ModelSettings(Settings):

@@ -18,6 +18,7 @@ import pandas as pd
 
 from bayeshunt import sealed
 from bayeshunt.axes import EffectAxes
+from bayeshunt.checks import FULL_TURN
 from bayeshunt.errors import DataError
 from bayeshunt.files import check_source
 from bayeshunt.gaits import GaitRepertoire
@@ -60,6 +61,8 @@ def validate(
         raise DataError(
             f"{source}: row {first_row + row}: distance is {frame['distance'].iloc[row]}; expected metres >= 0"
         )
+    for column in ("angle", "heading"):
+        _check_radians(frame[column], column, source, first_row)
     _check_gaits(frame["gait"], gaits, source, first_row)
 
 
@@ -206,6 +209,16 @@ def _check_numbers(values: pd.Series, column: str, source: str, first_row: int) 
     row = _first(~np.isfinite(numbers))
     if row is not None:
         raise DataError(f"{source}: row {first_row + row}: {column} is {values.iloc[row]}; expected a finite number")
+
+
+def _check_radians(values: pd.Series, column: str, source: str, first_row: int) -> None:
+    numbers = values.to_numpy(dtype=float)
+    row = _first(np.abs(numbers) > FULL_TURN)
+    if row is not None:
+        raise DataError(
+            f"{source}: row {first_row + row}: {column} is {numbers[row]:g}; expected radians from -2 pi to 2 pi; "
+            f"if the column is in degrees, convert it: numpy.radians(frame[{column!r}])"
+        )
 
 
 def _check_gaits(values: pd.Series, gaits: Iterable[str] | None, source: str, first_row: int) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bayeshunt.axes import EffectAxes
-from bayeshunt.checks import check_kind, check_number, check_whole
+from bayeshunt.checks import check_kind, check_radians, check_whole
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.episode import Episode, Step
 from bayeshunt.errors import InputError
@@ -55,7 +55,7 @@ def hunt(
     """Run one hunt and return all of it.
 
     experiment: preset name ("paper"), TOML path or settings. arena: one of its arenas.
-    theta: bearing of the prey at the start, radians clockwise from the hunter's heading.
+    theta: bearing of the prey at the start, radians clockwise from the hunter's heading, -2 pi to 2 pi.
     seed: of the noise, the prey and the planner; any whole number >= 0.
     prey_model: what is known of the prey beforehand; by default nothing (it is copied, not changed).
 
@@ -207,6 +207,6 @@ def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
 def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: PreyModel | None) -> None:
     settings.check_arena(arena)
     check_whole(seed, "seed", 0)
-    check_number(theta, "theta", "a finite number of radians")
+    check_radians(theta, "theta")
     if prey_model is not None:
         check_kind(prey_model, "prey_model", PreyModel, "a PreyModel or None")

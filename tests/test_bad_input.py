@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -92,6 +93,12 @@ CASES = {
     "stranger gait": (lambda f: edit_table(f, with_stranger), FIT, "row 3: gait 'moonwalk' is not in the repertoire"),
     "negative distance": (lambda f: edit_table(f, negative), FIT, "row 0: distance is -0.1"),
     "words for numbers": (lambda f: edit_table(f, wordy), FIT, "column 'angle' holds"),
+    "angles in degrees": (
+        lambda f: edit_table(f, lambda t: t.assign(angle=np.degrees(t["angle"]) + 90)),
+        FIT,
+        "expected radians from -2 pi to 2 pi; if the column is in degrees, convert it: numpy.radians(frame['angle'])",
+    ),
+    "headings in degrees": (lambda f: edit_table(f, lambda t: t.assign(heading=-90.0)), FIT, "row 0: heading is -90;"),
     "empty table": (lambda f: edit_table(f, lambda t: t.iloc[:0]), FIT, "the table has no rows"),
     "a gait never babbled": (lambda f: edit_table(f, lambda t: t[t["gait"] != "straight"]), FIT, "straight"),
     "truncated Parquet": (cut("data.parquet", 0.6), FIT, "data.parquet: cannot be read as a babbling table"),
@@ -127,6 +134,8 @@ CASES = {
     "no such model": (None, ("query", "gone.json", "--distance", "0.1", "--angle", "0"), "gone.json"),
     "negative target": (None, (*QUERY[:3], "-1", "--angle", "0"), "target (-1.0, 0.0): expected"),
     "target not a number": (None, (*QUERY[:3], "nan", "--angle", "0"), "target (nan, 0.0): expected"),
+    "bearing in degrees": (None, (*QUERY[:-1], "57"), "--angle: expected radians from -2 pi to 2 pi, got 57; "),
+    "heading in degrees": (None, (*QUERY, "--heading", "-90"), "if that is in degrees, give -1.571 "),
     "unknown target, no snapping": (None, (*QUERY[:3], "9", "--angle", "0", "--no-snap"), "allow snapping"),
     "word for a number": (None, (*QUERY[:3], "far", "--angle", "0"), "'--distance'"),
     "missing option": (None, QUERY[:4], "--angle"),
@@ -177,6 +186,12 @@ CASES = {
     "folder as output": (None, ("babble", "--out", "."), "is a folder"),
     "hunt in an unknown arena": (None, (*HUNT, "--arena", "pond"), "unknown arena 'pond'"),
     "hunt at no bearing": (None, (*HUNT, "--theta", "nan"), "theta: expected a finite number"),
+    "hunt at a bearing in degrees": (None, (*HUNT, "--theta", "57"), "theta: expected radians from -2 pi to 2 pi"),
+    "bearings in degrees": (
+        write("my.toml", 'base = "paper"\n[protocol]\nthetas = [0, 30, 60]\n'),
+        (*EVALUATE, "--config", "my.toml"),
+        "my.toml: protocol.thetas: expected radians from -2 pi to 2 pi, got 30; if that is in degrees, give 0.5236 ",
+    ),
     "unknown kind of settings": (None, ("settings", "prey"), "expected experiment or robot"),
 }
 

@@ -7,7 +7,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt import dataset, files
-from bayeshunt.checks import check_generator, check_kind, check_number, check_numbers, check_whole
+from bayeshunt.checks import check_generator, check_kind, check_number, check_numbers, check_radians, check_whole
 from bayeshunt.errors import shown
 from bayeshunt.models.memory import PreyMemory
 from bayeshunt.models.rooms import RoomModel
@@ -32,6 +32,14 @@ def test_numbers():
     assert [check_number(v, "x") for v in (1, -0.5, np.float32(0.5), np.int64(3))] == [1.0, -0.5, 0.5, 3.0]
     for value in ("1", None, True, [1.0], 1j, float("nan"), float("-inf")):
         refused(lambda value=value: check_number(value, "x", "an angle"), "^x: expected an angle, got ")
+
+
+def test_radians_are_at_most_a_turn():
+    for angle in (0, 1, 6.0, -2 * np.pi, 2 * np.pi, 6.2832):
+        assert check_radians(angle, "x") == angle
+    for degrees, mend in ((57, "0.9948"), (-6.3, "-0.11"), (360.0, "6.283")):
+        refused(lambda value=degrees: check_radians(value, "x"), f"^x: expected radians .* got .*, give {mend} ")
+    refused(lambda: check_radians(float("nan"), "x"), "^x: expected a finite number of radians, got nan$")
 
 
 def test_arrays_of_numbers():

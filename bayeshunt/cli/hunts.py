@@ -46,9 +46,11 @@ def hunt(
 
     Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html
     """
+    from bayeshunt.checks import check_radians
     from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
     from bayeshunt.hunting import hunt as run
 
+    check_radians(theta, "--theta")  # before anything is babbled
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed)

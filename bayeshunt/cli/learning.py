@@ -127,10 +127,14 @@ def query(
 
     Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
     """
+    from bayeshunt.checks import check_radians
     from bayeshunt.models.interchange import open_model
     from bayeshunt.models.inverse import InverseModel
     from bayeshunt.models.structures import depends_on_previous
 
+    check_radians(angle, "--angle")
+    if heading is not None:
+        check_radians(heading, "--heading")
     forward = open_model(model)
     if previous_gait is not None and not depends_on_previous(forward.structure):
         raise InputError(f"{model}: what a gait does depends on no gait before; fit with --structure previous_gait")

@@ -69,6 +69,11 @@ def test_an_answer_says_how_far_it_is_from_what_was_asked(three_cells: InverseMo
     assert three_cells.posterior(0.301, 0.0).beyond is True
 
 
+def test_any_finite_angle_is_wrapped(three_cells: InverseModel) -> None:
+    turned = three_cells.posterior(0.25, 200 * math.pi, 100 * math.pi)
+    assert (turned.best, turned.snapped) == ("far", False)
+
+
 def test_nearest_is_cartesian(three_cells: InverseModel) -> None:
     # 0.1 m at 90 degrees: in bins "right" is 2 away and "near" 9; in metres "near" is 0.112, "right" 0.15.
     answer = three_cells.posterior(0.1, math.pi / 2)
