@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
+import inspect
 import os
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Never
 
 import pandas as pd
 
 from bayeshunt.checks import check_kind, check_whole
 from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import InputError, ResultsError
+from bayeshunt.errors import InputError, ResultsError, shown
 from bayeshunt.experiments import workers
 from bayeshunt.experiments.batches import Ticket, batches, run_batch
 from bayeshunt.experiments.database import HuntDatabase, Numbered
@@ -28,6 +30,7 @@ from bayeshunt.hunting import Result
 from bayeshunt.models import store as model_files
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.models.rooms import RoomModel
+from bayeshunt.models.structures import NAIVE
 from bayeshunt.settings import load_experiment
 from bayeshunt.world.prey import check_behaviour
 
@@ -50,6 +53,7 @@ def evaluate(
     scheduler: str | None = None,
     progress: Progress | None = None,
     say: Say | None = None,
+    **mistaken: Never,
 ) -> pd.DataFrame:
     """Run the experiment and return one row per hunt.
 
@@ -64,18 +68,21 @@ def evaluate(
     Columns: planner, arena, theta [rad], run, seed (of that hunt), caught, time [s, the limit if
     missed], decisions, transitions, distance [m]. The same seed gives the same table at any ``jobs``,
     with any ``scheduler``, and after any number of interruptions.
-    ``frame.attrs`` holds the ``settings`` used, the ``seed`` and the fingerprint of the ``model`` (None: imported).
+    ``frame.attrs`` holds the ``settings`` used, the ``seed``, the fingerprint of the ``model`` (None: imported)
+    and its ``structure``.
 
-    Raises InputError for a wrong name or number, ResultsError if ``out`` holds another experiment or
+    Raises InputError for a wrong argument, name or number, ResultsError if ``out`` holds another experiment or
     is damaged, FolderInUseError if another process is working there.
     """
+    for name in mistaken:
+        raise InputError(f"evaluate: unknown argument {name}{_near(name)}")
     settings = experiment_settings(experiment, runs)
     check_behaviour(settings.prey.behaviour)
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     check_whole(seed, "seed", 0)
-    planners = _names(planners, settings.planners)
-    arenas = _names(arenas, tuple(settings.arenas))
+    planners = _names(planners, settings.planners, "planners")
+    arenas = _names(arenas, tuple(settings.arenas), "arenas")
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
         check_minds(planners, model, settings)
@@ -100,6 +107,7 @@ def evaluate(
         ended = evaluation.run(jobs, scheduler)
         frame = results_frame(tasks, ended, settings, seed)
         frame.attrs["model"] = model_fingerprint(model)
+        frame.attrs["structure"] = NAIVE.name if model.structure.edges == NAIVE.edges else model.structure.name
         if database is not None:
             database.fold()
             save_results(frame, settings, seed, database.path.parent)
@@ -198,7 +206,7 @@ def check_minds(planners: str | Sequence[str], model: ForwardModel, settings: Ex
     """Raise InputError for a wrong model, planner or setting of one: before any work, and not in a worker."""
     check_model(model, settings)
     stand_in = {"": RoomModel.empty()}  # the rooms themselves are learned when all else is known to be right
-    for name in _names(planners, ()):
+    for name in _names(planners, (), "planners"):
         prepare_planner(name, model, settings, stand_in, "")
 
 
@@ -217,9 +225,19 @@ def results_frame(
 check_jobs = workers.check_jobs
 
 
-def _names(given: str | Sequence[str] | None, default: Sequence[str]) -> tuple[str, ...]:
-    """One name, several, or the settings' own."""
-    return (given,) if isinstance(given, str) else tuple(given or default)
+def _names(given: str | Sequence[str] | None, default: Sequence[str], what: str) -> tuple[str, ...]:
+    """One name, several, or the settings' own; InputError for anything else, ``what`` says of what."""
+    if isinstance(given, str):
+        return (given,)
+    if given is not None and not isinstance(given, Sequence):
+        raise InputError(f"{what}: expected a name or a list of names, got {shown(given)}")
+    return tuple(given or default)
+
+
+def _near(name: str) -> str:
+    """What an unknown argument may have meant: "; did you mean planners?", or nothing."""
+    near = difflib.get_close_matches(name, inspect.signature(evaluate).parameters, 1)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def _ignore(_: Any) -> None:

@@ -7,7 +7,10 @@ from typing import Any
 
 import pandas as pd
 
+from bayeshunt.checks import check_whole
 from bayeshunt.config import ExperimentSettings
+from bayeshunt.errors import InputError
+from bayeshunt.models.structures import NAIVE
 
 #: 97.5 % quantile of the standard normal distribution.
 _Z95 = 1.959963984540054
@@ -16,8 +19,13 @@ _Z95 = 1.959963984540054
 def wilson_interval(successes: int, runs: int) -> tuple[float, float]:
     """Return the 95 % Wilson score interval of a success rate; (0, 1) for no runs.
 
+    Raises InputError unless both are whole numbers and 0 <= successes <= runs.
     Reference: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927), 209-212.
     """
+    check_whole(successes, "successes", 0)
+    check_whole(runs, "runs", 0)
+    if successes > runs:
+        raise InputError(f"successes: {successes} are more than the {runs} runs")
     if runs == 0:
         return 0.0, 1.0
     p, z2 = successes / runs, _Z95 * _Z95
@@ -35,6 +43,7 @@ def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[
     results: one row per hunt, as :func:`bayeshunt.evaluate` returns it. Times of missed hunts
     count as the time limit. ``paper_success`` is the published share of the total, or None.
     """
+    settings = as_evaluated(results, settings)
     rows = []
     for (planner, arena), hunts in results.groupby(["planner", "arena"], sort=False):
         published = settings.published.get(str(planner), {}).get(str(arena))
@@ -43,6 +52,23 @@ def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[
             rows.append(_row(planner, arena, float(theta), some, None))
         rows.append(_row(planner, arena, None, hunts, published))
     return rows
+
+
+def as_evaluated(results: pd.DataFrame, settings: ExperimentSettings) -> ExperimentSettings:
+    """Return the settings without their published figures, and with a note that says so, where these say nothing.
+
+    That is where a given model of another structure hunted, as ``results.attrs["structure"]`` tells, and not
+    one of the structure that the settings learn (naive).
+    """
+    structure = results.attrs.get("structure") or NAIVE.name  # earlier files do not say theirs
+    if structure == NAIVE.name:
+        return settings
+    note = f"Hunted with a given model of structure {structure}; {settings.name!r} itself learns {NAIVE.name}."
+    if settings.published:
+        note += " Its settings were fitted to published totals with that; these figures have no published counterpart."
+    elif settings.note:
+        note = f"{settings.note} {note}"
+    return settings.model_copy(update={"note": note, "published": {}})
 
 
 def _row(planner: Any, arena: Any, theta: float | None, hunts: pd.DataFrame, published: float | None) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from bayeshunt import sealed
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError, InputError, ResultsError
 from bayeshunt.experiments.identity import Identity, model_fingerprint
-from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.files import write_text
 from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
@@ -34,10 +34,11 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
     return {
         "rows": summarise(results, settings),
         "experiment": settings.name,
-        "note": settings.note,
+        "note": as_evaluated(results, settings).note,
         "seed": int(seed),
         "version": version("bayeshunt"),
         "model": results.attrs.get("model"),
+        "structure": results.attrs.get("structure"),
         "not_ab_initio": sorted(
             name for name in set(results["planner"]) if not is_ab_initio(name, settings.planner.get(name, {}))
         ),
@@ -65,6 +66,7 @@ def save_results(
     path = check_output_folder(folder)
     record = {"kind": _KIND, "seed": int(seed), "settings": settings.model_dump(mode="json")}
     record |= {"version": version("bayeshunt"), "model": results.attrs.get("model")}
+    record["structure"] = results.attrs.get("structure")
     plain = results.copy(deep=False)
     plain.attrs = {}
     sealed.write(pa.Table.from_pandas(plain, preserve_index=False), record, path / HUNTS_FILE)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.checks import check_kind
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.episode import Episode
 from bayeshunt.errors import InputError
@@ -41,7 +42,7 @@ def replay_html(episode: Episode, *, model: ForwardModel | None = None, source: 
         from it; without it they show their aim alone.
     source: options of the command shown at the foot, as ``commands.model_option`` gives them.
 
-    Raises InputError if the hunt ended before its first decision.
+    Raises InputError if that is no episode, or if the hunt ended before its first decision.
     """
     hunt = replay_data(episode, model=model, source=source)
     return render(
@@ -58,6 +59,7 @@ def replay_data(
     World poses are [x, y, theta] in metres and radians counter-clockwise, what the hunter sees is
     [distance, angle, heading], clockwise.
     """
+    check_kind(episode, "episode", Episode, "an Episode, as hunt() returns it")
     origin = episode.provenance
     settings = parse(ExperimentSettings, origin["settings"], "the episode's settings")
     if episode.frame.empty:

@@ -14,7 +14,7 @@ import pandas as pd
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import DataError
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.experiments.store import NOT_AB_INITIO, another_model
 from bayeshunt.files import write_text
 from bayeshunt.models.forward import ForwardModel
@@ -69,6 +69,7 @@ def report_facts(
 ) -> dict[str, Any]:
     """Return everything that the page shows."""
     settings, seed = _origin(results)
+    shown = as_evaluated(results, settings)
     learned = model if model is not None else learn_model(settings, seed)
     rows = summarise(results, settings)
     pairs = list(dict.fromkeys(zip(results["planner"], results["arena"], strict=True)))
@@ -82,7 +83,7 @@ def report_facts(
     looks = styles(planners)
     text = to_toml(settings)
     return {
-        "title": settings.name, "note": settings.note, "seed": seed, "hunts": len(results),
+        "title": settings.name, "note": shown.note, "seed": seed, "hunts": len(results),
         "runs": settings.protocol.runs, "limit": settings.protocol.time_limit,
         "version": version("bayeshunt"), "evaluated_with": results.attrs.get("version", version("bayeshunt")),
         "totals": [row for row in rows if row["theta"] is None],
@@ -90,7 +91,7 @@ def report_facts(
         "looks": list(looks.values()),
         "marked": [name for name in planners if not is_ab_initio(name, settings.planner.get(name, {}))],
         "mark": NOT_AB_INITIO,
-        "published": list(settings.published),
+        "published": list(shown.published),
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],

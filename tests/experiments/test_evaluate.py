@@ -12,7 +12,9 @@ from bayeshunt.errors import InputError
 from bayeshunt.experiments.protocol import hunt_seed
 from bayeshunt.experiments.runner import evaluate
 from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.store import load_results, summary
 from bayeshunt.hunting import run_hunt
+from bayeshunt.models.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
 from bayeshunt.settings import load_experiment
 
@@ -117,3 +119,29 @@ def test_the_papers_totals(seed):
             for arena, success in published.items():
                 assert total[planner, arena] == pytest.approx(success, abs=0.05)
         assert total["planning", "walled"] >= 0.96
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"planner": ["reactive"]}, "evaluate: unknown argument planner; did you mean planners\\?"),
+        ({"zzz": 1}, "evaluate: unknown argument zzz$"),
+        ({"planners": 3}, "planners: expected a name or a list of names, got 3"),
+        ({"arenas": 3}, "arenas: expected a name or a list of names, got 3"),
+    ],
+)
+def test_arguments_of_another_name_or_kind_are_refused(given, said):
+    with pytest.raises(InputError, match=said):
+        evaluate("paper", runs=1, **given)
+
+
+def test_the_table_says_that_a_model_of_another_structure_hunted(tmp_path, khepera_frame):
+    model = ForwardModel.fit(khepera_frame, PAPER.robot.gaits, structure="previous_gait")
+    given = {"runs": 1, "planners": "reactive", "arenas": "open", "model": model, "out": tmp_path}
+    for _ in range(2):  # and when it is read again
+        results = evaluate("paper", **given)
+        facts = summary(results, PAPER, 0)
+        assert facts["structure"] == results.attrs["structure"] == "previous_gait"
+        assert "structure previous_gait" in facts["note"]
+    assert "structure previous_gait" in (tmp_path / "summary.md").read_text()
+    assert load_results(tmp_path).attrs["structure"] == "previous_gait"

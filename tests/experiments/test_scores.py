@@ -3,7 +3,8 @@
 import pandas as pd
 import pytest
 
-from bayeshunt.experiments.scores import summarise, wilson_interval
+from bayeshunt.errors import InputError
+from bayeshunt.experiments.scores import as_evaluated, summarise, wilson_interval
 from bayeshunt.settings import load_experiment
 
 
@@ -49,3 +50,35 @@ def test_summary_by_hand():
     assert (total["runs"], total["caught"], total["success"], total["mean_time_s"]) == (4, 3, 0.75, 30.0)
     assert total["paper_success"] == 0.1457
     assert rows[0]["paper_success"] is None
+
+
+def test_another_structure_has_no_published_counterpart():
+    hunts = pd.DataFrame(
+        {"planner": ["reactive"], "arena": ["walled"], "theta": [0.0], "caught": [True], "time": [10.0]}
+    )
+    paper = load_experiment("paper")
+    changed = load_experiment("paper", {"prey.speed": 0.04})
+    assert as_evaluated(hunts, paper) is paper
+    hunts.attrs["structure"] = "naive"
+    assert as_evaluated(hunts, paper) is paper
+    hunts.attrs["structure"] = "tan"
+    assert summarise(hunts, paper)[-1]["paper_success"] is None
+    note = as_evaluated(hunts, paper).note
+    assert note.startswith("Hunted with a given model of structure tan; 'paper' itself learns naive.")
+    assert note.endswith("these figures have no published counterpart.")
+    assert as_evaluated(hunts, changed).note.startswith(changed.note)
+    assert "structure tan" in as_evaluated(hunts, changed).note
+
+
+@pytest.mark.parametrize(
+    ("successes", "runs", "said"),
+    [
+        (3, 2, "successes: 3 are more than the 2 runs"),
+        (-1, 2, "successes: expected a whole number of at least 0, got -1"),
+        (1, 2.5, "runs: expected a whole number of at least 0, got 2.5"),
+        (1, None, "runs: expected a whole number of at least 0, got None"),
+    ],
+)
+def test_impossible_counts_are_refused(successes, runs, said):
+    with pytest.raises(InputError, match=said):
+        wilson_interval(successes, runs)

@@ -202,3 +202,10 @@ def test_a_hunt_without_a_decision_is_refused_in_one_line(episodes, tmp_path):
     with pytest.raises(InputError, match="ended before its first decision"):
         write_replay(empty, tmp_path / "hunt.html")
     assert not (tmp_path / "hunt.html").exists()
+
+
+@pytest.mark.parametrize("given", [1, None, "hunt.parquet"])
+def test_what_is_no_episode_is_refused(tmp_path, given):
+    with pytest.raises(InputError, match=r"episode: expected an Episode, as hunt\(\) returns it, got"):
+        write_replay(given, tmp_path / "hunt.html")
+    assert not list(tmp_path.iterdir())
