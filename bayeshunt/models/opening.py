@@ -27,10 +27,12 @@ class OpenTables:
     """What a person asks of a model's tables; a forward model is one.
 
     joint: the counts behind every table. prior: Dirichlet pseudo-count per cell.
+    gait_prior: "uniform" (P(Gait) is set) or "empirical" (estimated).
     """
 
     joint: JointCounts
     prior: float
+    gait_prior: str
     known: ClassVar[Mapping[str, str]] = {}  # states of other variables that the tables are conditioned on
 
     @property
@@ -73,8 +75,13 @@ class OpenTables:
         return self._counted_rows.find(self, variable, bin, gait)
 
     def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
-        """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook."""
-        low, high = self.credible_interval(variable, level)
+        """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook.
+
+        P(Gait) has no intervals (None) where it is set to uniform: nobody estimated it.
+        """
+        low = high = None
+        if not self._is_set(variable):
+            low, high = self.credible_interval(variable, level)
         return ProbabilityTable(
             variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known
         )
@@ -83,8 +90,13 @@ class OpenTables:
         """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
 
         level: probability inside the interval, in (0, 1). With prior 0, the Jeffreys interval.
+        Raises InputError for a P(Gait) that is set to uniform: what nobody estimated has no interval.
         """
         self._check_variable(variable)
+        if self._is_set(variable):
+            raise InputError(
+                "P(Gait) is set to uniform, not estimated, so it has no interval; fit with gait_prior='empirical'"
+            )
         if not 0.0 < check_number(level, "level", _LEVEL) < 1.0:
             raise InputError(f"level: expected {_LEVEL}, got {level}")
         counts = self.joint.marginal(variable)
@@ -93,6 +105,10 @@ class OpenTables:
         if variable == "Gait":
             low, high = low[:, 0], high[:, 0]
         return self._labelled(variable, low, "low"), self._labelled(variable, high, "high")
+
+    def _is_set(self, variable: str) -> bool:
+        """Whether a table was chosen rather than estimated."""
+        return variable == "Gait" and self.gait_prior == "uniform"
 
     def _check_variable(self, variable: str) -> None:
         if variable not in network.VARIABLES:

@@ -16,7 +16,8 @@ class ProbabilityTable:
 
     variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
     probability: columns sum to 1. count: the rows behind each probability.
-    low, high: bounds of each cell's Dirichlet credible interval at ``level``.
+    low, high: bounds of each cell's Dirichlet credible interval at ``level``; None for a P(Gait) that is set to
+        uniform, which nobody estimated.
     prior: Dirichlet pseudo-count per cell of the probabilities.
     known: states of other variables that the table is conditioned on, {"PreviousGait": name}.
     In an imported network nobody knows count, low, high and prior: they are None.

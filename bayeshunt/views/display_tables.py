@@ -46,22 +46,25 @@ def heat_table(shown: ProbabilityTable) -> Html:
             for j in range(len(columns))
         ]
         rows.append(row(labels[i], cells))
-    shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")] if behind else []
+    shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")][: len(behind) // 2]
     switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
-    hint = f"Hover a cell for its {'count and interval' if behind else 'probability'}."
+    hint = f"Hover a cell for its {('probability', 'count', 'count and interval')[len(behind) // 2]}."
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
     return tag("div", *switches, body, note, class_="bh-table")
 
 
 def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
-    """Count, low, high and the total of the column, of every cell [K, G]; none of them where nobody knows."""
-    if shown.count is None or shown.low is None or shown.high is None:
+    """Count, the total of the column, low and high of every cell [K, G]; without those that nobody knows."""
+    if shown.count is None:
         return []
     count = shown.count.to_numpy()
-    return [count, shown.low.to_numpy(), shown.high.to_numpy(), np.broadcast_to(count.sum(axis=0), count.shape)]
+    counted = [count, np.broadcast_to(count.sum(axis=0), count.shape)]
+    return (
+        counted if shown.low is None or shown.high is None else [*counted, shown.low.to_numpy(), shown.high.to_numpy()]
+    )
 
 
 def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float) -> Html:
@@ -71,10 +74,12 @@ def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: lis
     hint = f"P({given}{column}) = {p:.4f}"
     content = [tag("span", probability(p), class_="bh-p")]
     if behind:
-        n, low, high, total = behind
-        hint += f", {100 * shown.level:g} % interval {low:.4f} to {high:.4f}, {int(n)} of {int(total)} rows"
+        n, total, *limits = behind
+        if limits:
+            hint += ", {:g} % interval {:.4f} to {:.4f}".format(100 * shown.level, *limits)
+        hint += f", {int(n)} of {int(total)} rows"
         content.append(tag("span", int(n) or "·", class_="bh-n"))
-        content.append(tag("span", f"{low:.3f} to {high:.3f}", class_="bh-i"))
+        content += [tag("span", "{:.3f} to {:.3f}".format(*limits), class_="bh-i")] if limits else []
     shade = math.sqrt(p / top)
     zero = "bh-zero" if p == 0 else None
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)

@@ -247,6 +247,16 @@ def test_maximum_likelihood_is_the_maximum(frame: pd.DataFrame, model: ForwardMo
     assert model.log_likelihood(frame) > smoothed.log_likelihood(frame) > -math.inf
 
 
+def test_only_a_gait_prior_that_was_estimated_has_an_interval(frame: pd.DataFrame) -> None:
+    chosen, estimated = (ForwardModel.fit(frame, repertoire(), gait_prior=kind) for kind in ("uniform", "empirical"))
+    assert (chosen.table("Gait").low, chosen.table("Gait").high) == (None, None)
+    assert chosen.table("Gait").count.equals(estimated.table("Gait").count)
+    with pytest.raises(InputError, match=r"set to uniform, not estimated, so it has no interval; fit with gait_prior="):
+        chosen.credible_interval("Gait")
+    low, high = (bound.to_numpy()[:, 0] for bound in estimated.credible_interval("Gait"))
+    assert ((low < estimated.probabilities("Gait")) & (estimated.probabilities("Gait") < high)).all()
+
+
 def test_credible_intervals_hold_the_probability(model: ForwardModel) -> None:
     low, high = model.credible_interval("Angle")
     p, n = model.probabilities("Angle"), model.counts("Angle").to_numpy()

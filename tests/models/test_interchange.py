@@ -298,6 +298,7 @@ def test_csv_holds_every_cell(pair, tmp_path: Path) -> None:
     gaits = pd.read_csv(tmp_path / "gait.csv")
     assert np.array_equal(gaits["probability"], model.probabilities("Gait"))
     assert gaits["count"].tolist() == model.counts("Gait")["count"].tolist()
+    assert gaits[["ci_low", "ci_high"]].isna().all(axis=None)  # P(Gait) is set, nobody estimated it
 
 
 def test_csv_of_an_import_has_no_counts(pair, tmp_path: Path) -> None:

@@ -147,6 +147,17 @@ def test_every_cell_carries_its_count_and_interval(shown) -> None:
         assert int(told["total"]) == table.count.iloc[:, column].sum()
 
 
+def test_a_gait_prior_that_is_set_shows_counts_alone(shown) -> None:
+    page = check(shown.gait_table._repr_html_())
+    assert len(page.find("input")) == 1
+    assert not page.find("span", "bh-i")
+    counts = shown.gait_table.count["count"]
+    assert [e["text"] for e in page.find("span", "bh-n")] == [str(n) for n in counts]
+    titles = [cell["attributes"]["title"] for cell in page.find("td")]
+    assert titles[0] == f"P({counts.index[0]}) = 0.1000, {counts.iloc[0]} of {counts.sum()} rows"
+    assert not any("interval" in title for title in titles)
+
+
 def test_the_switches_show_counts_and_intervals(shown) -> None:
     page = check(shown.table._repr_html_())
     assert len(page.find("input")) == 2
