@@ -13,9 +13,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from bayeshunt.errors import InputError
+from bayeshunt.errors import BayesHuntError, InputError
 from bayeshunt.planners.registry import adopt_planner, registered_planners
 from bayeshunt.world.prey import register_prey, registered_prey
+
+_REGISTER = "call bayeshunt.register_prey(name, class) or bayeshunt.register_planner(name, class) in it"
 
 
 class Additions(NamedTuple):
@@ -51,7 +53,7 @@ def used_additions(planners: Iterable[str], behaviour: str) -> dict[str, Any]:
 def load_plugin(path: str | os.PathLike[str]) -> ModuleType:
     """Run a Python file of the user's that calls ``register_prey`` or ``register_planner``.
 
-    Raises InputError in one line if the file is missing or fails.
+    Raises InputError in one line if the file is missing, fails or registers nothing.
     """
     file = Path(path)
     if not file.is_file():
@@ -63,11 +65,15 @@ def load_plugin(path: str | os.PathLike[str]) -> ModuleType:
         raise InputError(f"{file}: expected a Python file (.py)")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
+    before = Additions.here()
     try:
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
-        raise InputError(f"{file}: {type(error).__name__}: {error}") from error
+        kind = "" if isinstance(error, BayesHuntError) else f"{type(error).__name__}: "
+        raise InputError(f"{file}: {kind}{error}") from error
+    if Additions.here() == before:
+        raise InputError(f"{file}: registers nothing; {_REGISTER}")
     _send_by_value(module)
     return module
 

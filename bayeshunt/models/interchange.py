@@ -32,7 +32,8 @@ def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]
 
     One row per cell: gait, bin, low and high (edges of the bin, m or rad; not in gait.csv),
     probability, count, ci_low and ci_high (95 % credible interval). An imported model has no counts:
-    those three columns are empty; so are the intervals of a P(Gait) that is set to uniform. Numbers are written in full. Where the gait before is a cause, the
+    those three columns are empty; so are the intervals of a P(Gait) that is set to uniform. Numbers are
+    written in full. Where the gait before is a cause, the
     effects' tables start with a column previous_gait.
     """
     place, paths = Path(check_path(folder, "the name of a folder", InputError)), []

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from bayeshunt.config import ArenaSettings, PreySettings
-from bayeshunt.errors import InputError
+from bayeshunt.errors import InputError, shown
 from bayeshunt.geometry import wrap
 from bayeshunt.world.noise import gaussians
 from bayeshunt.world.sensors import KHEPERA_DIAMETER, proximity
@@ -151,6 +151,33 @@ class Evader:
         return self._context.wheels(settings.speed, turn)
 
 
+_ACT = "act(x, y, theta, hunter_x, hunter_y) -> (left, right)"
+_WHEELS = "expected (left, right), two finite wheel speeds [m/s]"
+
+
+class Checked:
+    """A behaviour that does not ship: what it answers is looked at, so that its mistakes carry its name."""
+
+    def __init__(self, name: str, behaviour: Any) -> None:
+        """Raise InputError if ``behaviour`` has no ``act``."""
+        if not callable(getattr(behaviour, "act", None)):
+            raise InputError(f"prey {name!r} has no method {_ACT}")
+        self.name = name
+        self._act = behaviour.act
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`; InputError unless the answer is two finite numbers."""
+        answer = self._act(x, y, theta, hunter_x, hunter_y)
+        try:
+            left, right = answer
+            wheels = float(left), float(right)
+        except (TypeError, ValueError):
+            raise InputError(f"prey {self.name!r}: act() gave {shown(answer)}; {_WHEELS}") from None
+        if not (math.isfinite(wheels[0]) and math.isfinite(wheels[1])):
+            raise InputError(f"prey {self.name!r}: act() gave ({left}, {right}); {_WHEELS}")
+        return wheels
+
+
 _BEHAVIOURS: dict[str, Callable[[Context], Prey]] = {
     "braitenberg": Braitenberg,
     "straight": Straight,
@@ -163,10 +190,15 @@ _SHIPPED = frozenset(_BEHAVIOURS)
 def register_prey(name: str, behaviour: Callable[[Context], Prey]) -> None:
     """Give a behaviour a name that ``prey.behaviour`` in a settings file may use.
 
-    Worker processes of an evaluation are told of it too. Raises InputError if the name is one that ships.
+    Worker processes of an evaluation are told of it too. Raises InputError if the name is one that ships,
+    or the behaviour cannot be one: a class without ``act``, or nothing that can be called with a context.
     """
     if name in _SHIPPED:
         raise InputError(f"a prey behaviour called {name!r} ships already; choose another name")
+    if not callable(behaviour):
+        raise InputError(f"prey {name!r}: expected a class that is made from a Context, got {shown(behaviour)}")
+    if isinstance(behaviour, type) and not callable(getattr(behaviour, "act", None)):
+        raise InputError(f"prey {name!r}: class {behaviour.__name__} has no method {_ACT}")
     _BEHAVIOURS[name] = behaviour
 
 
@@ -195,7 +227,8 @@ def build_prey(context: Context) -> Prey:
     """Return a fresh controller; InputError if the settings name no known behaviour."""
     name = context.settings.behaviour
     check_behaviour(name)
-    return _BEHAVIOURS[name](context)
+    controller = _BEHAVIOURS[name](context)
+    return controller if name in _SHIPPED else Checked(name, controller)
 
 
 def _clip(units: float) -> float:

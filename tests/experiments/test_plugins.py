@@ -81,6 +81,15 @@ def test_only_what_is_used_and_does_not_ship_is_hashed(tmp_path):
         (None, "no such file"),
         ("import nonsense_that_is_not_there", "ModuleNotFoundError: No module named"),
         ("import bayeshunt as bh; bh.register_prey('evader', object)", "ships already; choose another name"),
+        ("import bayeshunt", r"own\.py: registers nothing; call bayeshunt\.register_prey\(name, class\) or "),
+        (
+            "import bayeshunt as bh; bh.register_prey('x', object)",
+            r"own\.py: prey 'x': class object has no method act\(",
+        ),
+        (
+            "import bayeshunt as bh; bh.register_prey('x', 3)",
+            "prey 'x': expected a class that is made from a Context, ",
+        ),
     ],
 )
 def test_a_wrong_plugin_is_one_line(tmp_path, text, message):

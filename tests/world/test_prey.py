@@ -1,6 +1,7 @@
 """One conformance check over every prey behaviour, and what each of them is for."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from bayeshunt.errors import InputError
 from bayeshunt.geometry import Pose
 from bayeshunt.settings import load_experiment
 from bayeshunt.world.arena import Arena, Streams
-from bayeshunt.world.prey import Context, build_prey, prey_names, register_prey
+from bayeshunt.world.prey import Context, behaviours, build_prey, prey_names, register_prey
 from bayeshunt.world.sensors import proximity
 
 ORIGIN, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
@@ -144,3 +145,32 @@ def test_a_behaviour_of_ones_own():
     register_prey("still", Still)
     path = track(PreySettings(behaviour="still", noise=QUIET), seconds=2.0)
     np.testing.assert_allclose(path[-1], (0.3, 0.0, 0.0), atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "gave None; expected (left, right), two finite wheel speeds [m/s]"),
+        ((0.1, math.nan), "gave (0.1, nan); expected"),
+        ((0.1, 0.1, 0.1), "gave a value of type tuple; expected"),
+        (("fast", 0.1), "gave a value of type tuple; expected"),
+    ],
+)
+def test_a_wrong_answer_of_a_prey_of_ones_own_is_said_with_its_name(monkeypatch, answer, said):
+    monkeypatch.setattr("bayeshunt.world.prey._BEHAVIOURS", dict(behaviours()))
+    register_prey("odd", lambda context: SimpleNamespace(act=lambda *where: answer))
+    with pytest.raises(InputError) as caught:
+        track(PreySettings(behaviour="odd"))
+    assert f"prey 'odd': act() {said}" in str(caught.value)
+
+
+def test_a_prey_of_ones_own_that_cannot_act_is_said_and_any_two_numbers_will_do(monkeypatch):
+    monkeypatch.setattr("bayeshunt.world.prey._BEHAVIOURS", dict(behaviours()))
+    register_prey("idle", lambda context: object())
+    with pytest.raises(
+        InputError, match=r"^prey 'idle' has no method act\(x, y, theta, hunter_x, hunter_y\) -> \(left"
+    ):
+        track(PreySettings(behaviour="idle"))
+    register_prey("own", lambda context: SimpleNamespace(act=lambda *where: np.array([0.048, 0.048])))
+    as_shipped = [track(PreySettings(behaviour=name)) for name in ("own", "straight")]
+    assert np.array_equal(*as_shipped)
