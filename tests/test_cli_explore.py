@@ -19,6 +19,21 @@ def test_explore_to_evaluation(bayeshunt):
     assert facts["not_ab_initio"] == ["intercept_walls"]
 
 
+def test_an_arena_without_walls_is_said_in_words(bayeshunt):
+    out, _ = bayeshunt("explore", "--out", "room.json", "--arena", "open", "--steps", "50", *SMALL)
+    said, following = out.splitlines()
+    assert said == "room.json: no walls found; 50 gaits met none"
+    assert following.startswith("next: bayeshunt evaluate --planner intercept_walls --arena open ")
+
+
+def test_walls_are_counted_and_listed(bayeshunt):
+    out, _ = bayeshunt("explore", "--out", "room.json", "--steps", "300", *SMALL)
+    counted, _, *walls, following = out.splitlines()
+    assert counted == "room.json: 4 walls"
+    assert len(walls) == 4
+    assert following.startswith("next: ")
+
+
 def test_an_evaluation_explores_by_itself(bayeshunt):
     """Without a file the hunter babbles in each arena first: ab initio, and the same as with that room in a file."""
     line = ["evaluate", "--planner", "intercept_walls", "--runs", "2", "--seed", "3", "--jobs", "1", *SMALL, "--json"]

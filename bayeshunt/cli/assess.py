@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Seed
+from bayeshunt.cli.options import Json, Quiet, Seed
 from bayeshunt.cli.outputs import out_figure
 from bayeshunt.errors import InputError
 
@@ -33,6 +33,7 @@ def assess(
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     out: Annotated[Path | None, out_figure("Write the reliability diagram: a .png or .svg file.")] = None,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Score held-out predictions, test the naive Bayes assumption, and compare other structures.
 
@@ -42,15 +43,18 @@ def assess(
     from bayeshunt.models.assess import assess as run
     from bayeshunt.models.interchange import open_model
     from bayeshunt.settings import load_robot
+    from bayeshunt.views import terminal
 
     frame = dataset.load(data)
     forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits
     widths = (distance_bin, angle_bins, heading_bins)
-    result = run(
-        frame, gaits, model=forward, folds=folds, seed=seed, prior=prior, axes=_axes(frame, gaits, forward, widths),
-        structures=structure or None, permutations=permutations,
-    )  # fmt: skip
+    axes = _axes(frame, gaits, forward, widths)
+    with terminal.progress_bar("assessing", None, quiet=quiet or as_json):
+        result = run(
+            frame, gaits, model=forward, folds=folds, seed=seed, prior=prior, axes=axes,
+            structures=structure or None, permutations=permutations,
+        )  # fmt: skip
     if out is not None:
         from bayeshunt.views.assess_figure import write
 

@@ -61,10 +61,10 @@ def figures(
         else settings_of(hunts, results)
     )
     folder = store.check_output_folder(out)
-    forward = load_or_learn(model, settings, seed)
+    forward = load_or_learn(model, settings, seed, quiet=quiet or as_json)
     if hunts is None:
         hunts = _run(settings, forward, seed, jobs, quiet or as_json)
-    elif (difference := store.another_model(hunts, forward)) is not None:
+    elif (difference := store.another_model(hunts.attrs.get("model"), forward)) is not None:
         terminal.say(f"warning: {difference}")
     planned, learned = _hunts(settings, forward, seed)
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -48,15 +49,19 @@ def hunt(
     """
     from bayeshunt.checks import check_radians
     from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
+    from bayeshunt.experiments.identity import model_fingerprint
     from bayeshunt.hunting import hunt as run
+    from bayeshunt.views import terminal
 
     check_radians(theta, "--theta")  # before anything is babbled
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], [arena])
-    forward = load_or_learn(model, settings, babbling_seed)
-    rooms = learn_rooms(settings, [planner], [arena], babbling_seed, forward)
-    mind = prepare_planner(planner, forward, settings, rooms, arena)
-    episode = run(settings, mind, arena=arena, theta=theta, seed=seed)
+    forward = load_or_learn(model, settings, babbling_seed, quiet=as_json)
+    with terminal.progress_bar("hunting", None, quiet=as_json):  # nobody knows how long it takes
+        rooms = learn_rooms(settings, [planner], [arena], babbling_seed, forward)
+        mind = prepare_planner(planner, forward, settings, rooms, arena)
+        episode = run(settings, mind, arena=arena, theta=theta, seed=seed)
+    episode = replace(episode, provenance={**episode.provenance, "model": model_fingerprint(forward)})
     if out is not None:
         episode.save(out)
     if replay is not None:
@@ -71,8 +76,6 @@ def hunt(
         files = {"out": out, "replay": replay}
         typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
         return
-    from bayeshunt.views import terminal
-
     terminal.episode_table(episode)
     if out is not None:
         page = shlex.quote(str(out.with_suffix(".html")))

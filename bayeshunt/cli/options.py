@@ -110,14 +110,16 @@ def settings_of(hunts: Any, folder: Any) -> Any:
     return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
 
 
-def load_or_learn(path: Path | None, settings: Any, seed: int) -> Any:
-    """Load the model, or babble and fit one."""
+def load_or_learn(path: Path | None, settings: Any, seed: int, *, quiet: bool) -> Any:
+    """Load the model, or babble, with a progress bar unless ``quiet``, and fit one."""
     from bayeshunt.experiments.protocol import learn_model
     from bayeshunt.experiments.runner import check_model
     from bayeshunt.models.interchange import open_model
+    from bayeshunt.views import terminal
 
     if path is None:
-        return learn_model(settings, seed)
+        with terminal.progress_bar("babbling", settings.model.babbling_steps, quiet=quiet) as advance:
+            return learn_model(settings, seed, advance)
     model = open_model(path, settings.robot.gaits)
     check_model(model, settings)
     return model

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -104,6 +104,7 @@ def explore(
     overrides: Overrides = None,
     seed: Seed = 0,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Babble alone in an arena and keep its walls, for planner intercept_walls.
 
@@ -111,19 +112,29 @@ def explore(
     bayeshunt evaluate --planner intercept_walls --arena walled --set planner.intercept_walls.room=room.json
     """
     from bayeshunt.experiments import explorations
+    from bayeshunt.views import terminal
 
     settings = read_experiment(preset, config, overrides)
-    room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed)
+    total = max(steps, 0) + settings.model.babbling_steps
+    with terminal.progress_bar("exploring", total, quiet=quiet or as_json) as advance:
+        room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed, progress=advance)
     room.save(out)
+    walls = room.walls()
+    facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
+    tell(facts, as_json, f"{out}: {_shown(walls, steps)}\n"
+         f"next: bayeshunt evaluate --planner intercept_walls --arena {shlex.quote(arena)} "
+         f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip
+
+
+def _shown(walls: Any, steps: int) -> str:
+    """A room in words: how many walls, and each of them in a row."""
     from bayeshunt.views.display_text import align
 
-    walls = room.walls()
+    if not len(walls):
+        return f"no walls found; {steps} gaits met none"
     rows = [
         [f"{value:.3f}" if isinstance(value, float) else str(value) for value in row]
         for row in walls.itertuples(index=False)
     ]
-    shown = "\n".join(align(list(walls.columns), rows, left=set()))
-    facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
-    tell(facts, as_json, f"{out}: {len(walls)} walls\n{shown}\n"
-         f"next: bayeshunt evaluate --planner intercept_walls --arena {shlex.quote(arena)} "
-         f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip
+    counted = "1 wall" if len(walls) == 1 else f"{len(walls)} walls"
+    return "\n".join([counted, *align(list(walls.columns), rows, left=set())])

@@ -26,13 +26,24 @@ def replay(
     Example:  bayeshunt replay hunt.parquet --out hunt.html
     """
     from bayeshunt.episode import Episode
+    from bayeshunt.experiments.store import another_model
     from bayeshunt.models.interchange import open_model
+    from bayeshunt.views import terminal
     from bayeshunt.views.commands import model_option
     from bayeshunt.views.replay import write_replay
 
     forward = None if model is None else open_model(model)
-    write_replay(Episode.load(episode), out, model=forward, source=model_option(model))
-    tell({"out": str(out), "bytes": out.stat().st_size}, as_json, f"{out}: open it in a browser to play the hunt")
+    hunt = Episode.load(episode)
+    difference = None if forward is None else another_model(hunt.provenance.get("model"), forward, "the hunt was")
+    warnings = [] if difference is None else [difference]
+    write_replay(hunt, out, model=forward, source=model_option(model))
+    for warning in warnings:
+        terminal.say(f"warning: {warning}")
+    tell(
+        {"out": str(out), "bytes": out.stat().st_size, "warnings": warnings},
+        as_json,
+        f"{out}: open it in a browser to play the hunt",
+    )
 
 
 @app.command(short_help="Write a page about an evaluation, with hunts to play.")

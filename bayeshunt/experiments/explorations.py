@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from bayeshunt.config import ExperimentSettings
 from bayeshunt.errors import InputError
@@ -23,17 +23,18 @@ def learn_room(
     steps: int = 1000,
     seed: int = 0,
     model: ForwardModel | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> RoomModel:
     """Return the walls of one of the experiment's arenas, learned by babbling ``steps`` gaits in it.
 
-    seed: of the babbling and, without ``model``, of the forward model's. Raises InputError for an
-    unknown arena or a wrong number.
+    seed: of the babbling and, without ``model``, of the forward model's. progress: called with 1 after
+    every step of either. Raises InputError for an unknown arena or a wrong number.
     """
     settings = load_experiment(experiment)
     if arena not in settings.arenas:
         raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
-    track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics)
-    return RoomModel.fit(track, learn_model(settings, seed) if model is None else model)
+    track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics, progress=progress)
+    return RoomModel.fit(track, learn_model(settings, seed, progress) if model is None else model)
 
 
 def learn_rooms(

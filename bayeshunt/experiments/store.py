@@ -104,13 +104,16 @@ def _missing(folder: Path) -> str:
     return f"{done}, and it is running" if found.running else f"{done}; give the same evaluate line again to go on"
 
 
-def another_model(results: pd.DataFrame, model: ForwardModel) -> str | None:
-    """Return one line if the hunts were made with another model than ``model``; None if not, or if nobody noted it."""
-    there, here = results.attrs.get("model"), model_fingerprint(model)
+def another_model(there: str | None, model: ForwardModel, what: str = "the hunts were") -> str | None:
+    """Return one line if ``what`` made with another model than ``model``; None if not, or if nobody noted it.
+
+    there: the fingerprint that results (``frame.attrs["model"]``) or an episode's provenance note.
+    """
+    here = model_fingerprint(model)
     if there is None or here == there:
         return None
     found = "an imported network" if here is None else f"one of fingerprint {here[:12]}"
-    return f"the hunts were made with a model of fingerprint {there[:12]}, this is {found}; give theirs with --model"
+    return f"{what} made with a model of fingerprint {there[:12]}, this is {found}; give theirs with --model"
 
 
 def check_same_export(folder: Path, settings: ExperimentSettings, asked: Identity) -> None:

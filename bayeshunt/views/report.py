@@ -100,7 +100,7 @@ def report_facts(
         "settings_file": SETTINGS_FILE if preset_of(settings) is None else None,
         "toml": text,
         "toml_link": "data:application/toml;base64," + base64.b64encode(text.encode()).decode(),
-        "learned": model is None, "another_model": another_model(results, learned),
+        "learned": model is None, "another_model": another_model(results.attrs.get("model"), learned),
         "babbling_steps": settings.model.babbling_steps,
     }  # fmt: skip
 

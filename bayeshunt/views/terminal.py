@@ -29,15 +29,13 @@ _BAR = 30  # characters of a full bar
 
 
 @contextlib.contextmanager
-def progress_bar(label: str, total: int, *, quiet: bool = False) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on stderr while the block runs; yields the function that advances it."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
+def progress_bar(label: str, total: int | None, *, quiet: bool = False) -> Iterator[Callable[[int], None]]:
+    """Show a progress bar on stderr while the block runs; yields the function that advances it.
+
+    total: None if nobody knows how much there is: then the bar says only that work goes on, and for how long.
+    """
+    counted = () if total is None else (MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), *(counted or (TimeElapsedColumn(),)))
     with Progress(*columns, console=messages, transient=True, disable=quiet or not messages.is_terminal) as progress:
         task = progress.add_task(label, total=total)
         yield lambda count: progress.update(task, advance=count)

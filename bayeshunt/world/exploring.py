@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 
@@ -14,14 +16,21 @@ from bayeshunt.world.bodies import build_drive
 
 
 def explore(
-    robot: RobotSettings, arena: ArenaSettings, steps: int, seed: int, *, physics: PhysicsSettings | None = None
+    robot: RobotSettings,
+    arena: ArenaSettings,
+    steps: int,
+    seed: int,
+    *,
+    physics: PhysicsSettings | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> pd.DataFrame:
     """Return where random gaits took the robot, alone in ``arena``; it starts in the centre, facing along x.
 
     Columns: step, gait, interval (1..13, part-way through the step), x, y [m], theta [rad,
     counter-clockwise] in the frame of the start, as dead reckoning gives them. One row per interval.
 
-    steps: gaits executed, each equally often, in random order. Raises InputError if ``steps`` or
+    steps: gaits executed, each equally often, in random order. progress: called with 1 after every step.
+    Raises InputError if ``steps`` or
     ``seed`` is not a whole number in range.
     """
     check_whole(steps, "steps", 1)
@@ -48,6 +57,8 @@ def explore(
                 if world.contactCount:
                     drive.read_back()
             poses.append(drive.pose)
+        if progress is not None:
+            progress(1)
     x, y, theta = np.array(poses).T
     names = np.array(robot.gaits.names, dtype=object)[order]
     frame = pd.DataFrame(

@@ -15,7 +15,8 @@ def test_a_recorded_hunt_becomes_a_page(bayeshunt, tmp_path, khepera_model):
     out, _ = bayeshunt("hunt", *options, "--out", "hunt.parquet", "--replay", "live.html", "--json")
     assert json.loads(out)["replay"] == "live.html"
     out, _ = bayeshunt("replay", "hunt.parquet", "--out", "stored.html", "--model", "model.json", "--json")
-    assert json.loads(out) == {"out": "stored.html", "bytes": (tmp_path / "stored.html").stat().st_size}
+    size = (tmp_path / "stored.html").stat().st_size
+    assert json.loads(out) == {"out": "stored.html", "bytes": size, "warnings": []}
     assert (tmp_path / "stored.html").read_bytes() == (tmp_path / "live.html").read_bytes()
 
 
@@ -47,3 +48,16 @@ def test_wrong_input_is_one_line(bayeshunt, tmp_path, arguments, status, message
     assert message in err
     assert len(err.strip().splitlines()) == 1
     assert not list(tmp_path.glob("*.html"))
+
+
+def test_a_replay_says_that_it_was_given_another_model(bayeshunt, folder, khepera_model, khepera_frame):
+    khepera_model.save(folder / "its.json")
+    bh.ForwardModel.fit(khepera_frame, khepera_model.gaits, prior=1.0).save(folder / "other.json")
+    bayeshunt("hunt", "--planner", "reactive", "--model", "its.json", "--out", "hunt.parquet")
+    _, err = bayeshunt("replay", "hunt.parquet", "--out", "hunt.html", "--model", "other.json")
+    assert err.startswith("warning: the hunt was made with a model of fingerprint ")
+    assert err.count("\n") == 1
+    out, _ = bayeshunt("replay", "hunt.parquet", "--out", "hunt.html", "--model", "other.json", "--json")
+    assert [f"warning: {line}\n" for line in json.loads(out)["warnings"]] == [err]
+    for given in (["--model", "its.json"], []):
+        assert bayeshunt("replay", "hunt.parquet", "--out", "hunt.html", *given)[1] == ""
