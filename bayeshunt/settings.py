@@ -90,7 +90,7 @@ def parse(kind: type[Kind], values: Any, source: str) -> Kind:
     try:
         return kind.model_validate(values)
     except ValidationError as error:
-        raise ConfigError(f"{source}: {_explain(error, kind)}") from None
+        raise ConfigError(f"{source}: {_explain(error, kind, values)}") from None
 
 
 def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], str]:
@@ -193,10 +193,10 @@ def _set(values: dict[str, Any], dotted: str, value: Any, source: str) -> None:
     place[last] = value
 
 
-def _explain(error: ValidationError, kind: type[BaseModel]) -> str:
-    """One line for the first thing that is wrong."""
+def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
+    """One line for the first thing that is wrong in ``values``."""
     first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"])
+    key = _key(first["loc"], values)
     if first["type"] == "extra_forbidden":
         near = difflib.get_close_matches(str(first["loc"][-1]), _keys_at(kind, first["loc"][:-1]), n=1)
         hint = f"did you mean {near[0]!r}?" if near else "it is not a setting"
@@ -211,6 +211,22 @@ def _explain(error: ValidationError, kind: type[BaseModel]) -> str:
     return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
 
 
+def _key(location: tuple[int | str, ...], values: Any) -> str:
+    """The dotted key of a place in ``values``; one of several groups by its number, from 1, and its name."""
+    key = ""
+    for part in location:
+        try:
+            values = values[part]
+        except (KeyError, IndexError, TypeError):  # what is missing has no name
+            values = None
+        if isinstance(part, int) and isinstance(values, dict):
+            name = f" ({values['name']!r})" if isinstance(values.get("name"), str) else ""
+            key += f" {part + 1}{name}"
+        else:
+            key += f".{part}" if key else str(part)
+    return key
+
+
 def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
     """Names of the settings that may stand at ``location``."""
     for part in location:
@@ -223,6 +239,7 @@ def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
 def describe(kind: str) -> list[dict[str, Any]]:
     """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
 
+    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1").
     Raises ConfigError for another kind.
     """
     kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
@@ -254,17 +271,24 @@ def _settings_inside(annotation: Any) -> type[BaseModel] | None:
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
 
 
+#: Types of a JSON schema in words.
+_TYPES = {
+    "string": "text", "integer": "whole number", "number": "number", "boolean": "true or false", "array": "list",
+    "object": "group", "null": "none", None: "any",
+}  # fmt: skip
+
+
 def _range(schema: dict[str, Any]) -> str:
     """A readable range from a JSON schema."""
     if "enum" in schema:
         return " | ".join(map(str, schema["enum"]))
     if "anyOf" in schema:
-        return " | ".join(_range(option) for option in schema["anyOf"])
+        return " or ".join(_range(option) for option in schema["anyOf"])
     low = schema.get("minimum", schema.get("exclusiveMinimum"))
     high = schema.get("maximum", schema.get("exclusiveMaximum"))
-    text = str(schema.get("type", "any")).replace("null", "none")
-    if low is not None:
-        text += f" {'>=' if 'minimum' in schema else '>'} {low:g}"
+    limits = []
+    if low is not None and low > -1e6:
+        limits.append(f"{'>=' if 'minimum' in schema else '>'} {low:g}")
     if high is not None and high < 1e6:
-        text += f" {'<=' if 'maximum' in schema else '<'} {high:g}"
-    return text
+        limits.append(f"{'<=' if 'maximum' in schema else '<'} {high:g}")
+    return f"{_TYPES[schema.get('type')]} {', '.join(limits)}".rstrip()

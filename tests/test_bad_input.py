@@ -136,7 +136,7 @@ CASES = {
     "target not a number": (None, (*QUERY[:3], "nan", "--angle", "0"), "target (nan, 0.0): expected"),
     "bearing in degrees": (None, (*QUERY[:-1], "57"), "--angle: expected radians from -2 pi to 2 pi, got 57; "),
     "heading in degrees": (None, (*QUERY, "--heading", "-90"), "if that is in degrees, give -1.571 "),
-    "unknown target, no snapping": (None, (*QUERY[:3], "9", "--angle", "0", "--no-snap"), "allow snapping"),
+    "unknown target, no snapping": (None, (*QUERY[:3], "9", "--angle", "0", "--no-snap"), "leave out --no-snap"),
     "word for a number": (None, (*QUERY[:3], "far", "--angle", "0"), "'--distance'"),
     "missing option": (None, QUERY[:4], "--angle"),
     "unknown option": (None, (*QUERY, "--speed", "3"), "--speed"),

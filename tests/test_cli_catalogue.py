@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -118,3 +119,12 @@ def test_names_complete_in_the_shell(line, found):
     ours = Path(sys.executable).parent / "bayeshunt"
     done = subprocess.run([ours], capture_output=True, text=True, env={**os.environ, **words})
     assert set(done.stdout.split()) == found
+
+
+def test_defaults_are_said_as_a_settings_file_says_them(bayeshunt):
+    out, _ = bayeshunt("settings")
+    assert re.search(r"^prey\.senses_hunter +true or false +false ", out, re.MULTILINE)
+    assert re.search(r"^robot\.gait\[\]\.left +number or none +none ", out, re.MULTILINE)
+    said = " ".join(out.split())
+    assert not re.search(r"\b(None|True|False|string|boolean|integer|array)\b", said)
+    assert "Ornstein-Uhlenbeck" in out

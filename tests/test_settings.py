@@ -168,3 +168,31 @@ def test_an_arena_is_checked_when_it_is_used(tmp_path):
     tight.check_arena("open")
     with pytest.raises(ConfigError, match=r"arenas\.walled\.width and height: the prey would start in a wall"):
         tight.check_arena("walled")
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        ("name = 'slow'\nlft = 1", "gait 2 ('slow').lft: unknown key; did you mean 'left'?"),
+        ("name = 'slow'\nleft = 'x'", "gait 2 ('slow').left: input should be a valid number"),
+        ("left = 1", "gait 2.name: required, but not given"),
+    ],
+)
+def test_one_of_several_gaits_is_said_by_number_and_name(tmp_path, second, said):
+    first = "name = 'fast'\nleft = 0.1\nright = 0.1"
+    text = f"name = 'mine'\n[[gait]]\n{first}\n[[gait]]\n{second}\n"
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_robot(tmp_path / "mine.toml")
+    assert str(caught.value).startswith(f"{tmp_path / 'mine.toml'}: {said}")
+
+
+def test_ranges_are_said_in_the_words_of_the_planners():
+    ranges = {row["key"]: row["range"] for row in describe("experiment")}
+    assert ranges["name"] == "text"
+    assert ranges["prey.senses_hunter"] == "true or false"
+    assert ranges["model.angle_bins"] == "whole number >= 1, <= 3600"
+    assert ranges["robot.gait[].left"] == "number or none"
+    assert ranges["robot.noise.slip"] == "number >= 0, < 1"
+    assert ranges["robot.body.drive"] == "differential | car"
+    assert ranges["planners"] == "list"

@@ -9,7 +9,7 @@ from typing import Any
 from rich.text import Text
 
 from bayeshunt.views.terminal import out
-from bayeshunt.views.text_tables import TextTable, folding, word
+from bayeshunt.views.text_tables import TextTable, folding, toml_text, word
 
 _WIDTH = 100  # columns of running text, at most
 _SOME = 16  # and at least
@@ -83,11 +83,6 @@ def _how_to_set(facts: Any) -> None:
     out.print("or in a settings file, given with --config:")
     quoted = f'"{value}"' if some.kind in ("file", "text") else value
     out.print(f'  base = "paper"\n\n  [planner.{facts.name}]\n  {some.name} = {quoted}')
-
-
-def toml_text(value: Any) -> str:
-    """Return a value as TOML writes it, text without its quotes."""
-    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _filled(paragraph: str, width: int) -> Text:

@@ -19,13 +19,14 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from bayeshunt.views.text_tables import TextTable, folding, word
+from bayeshunt.views.text_tables import TextTable, folding, toml_text, word
 from bayeshunt.views.units import degrees, millimetres, objective
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
 
 _BAR = 30  # characters of a full bar
+_WORD = len("Ornstein-Uhlenbeck")  # the longest word of a meaning
 
 
 @contextlib.contextmanager
@@ -121,9 +122,9 @@ def episode_table(episode: Any) -> None:
 
 def settings_table(rows: list[dict[str, Any]]) -> None:
     """Print every settings key with its range, default and meaning."""
-    table = TextTable(word("key"), folding("range"), folding("default"), folding("meaning"), ruled=False)
+    table = TextTable(word("key"), folding("range"), folding("default"), folding("meaning", _WORD), ruled=False)
     for row in rows:
-        table.row(*(row[name] for name in ("key", "range", "default", "meaning")))
+        table.row(row["key"], row["range"], toml_text(row["default"]), row["meaning"])
     table.print(out)
 
 

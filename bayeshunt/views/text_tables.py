@@ -45,6 +45,15 @@ def number(name: str) -> Column:
     return Column(name, right=True)
 
 
+def toml_text(value: Any) -> str:
+    """Return a value as TOML writes it, text without its quotes and lists without their brackets; "none" if it is."""
+    if value is None or isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(toml_text, value))
+    return f"{value:g}" if isinstance(value, float) else "" if value == {} else str(value)
+
+
 class TextTable:
     """A table to print or to put into a string.
 
