@@ -102,9 +102,15 @@ class Situation:
 class Plan:
     """A decision and the reasons for it.
 
-    gait: name of the gait to execute now. gaits: the whole sequence, ``gaits[0] == gait``.
+    Only ``gait`` is required: ``Plan("straight")`` is a plan of one gait that a rule chose.
+
+    gait: name of the gait to execute now. gaits: the whole sequence, ``gaits[0] == gait``; default: that gait alone.
     value: what the decision was taken by; ``objective`` says what it is and in which unit.
+        Texts for people show a value whose objective ends in "[m]" in millimetres.
     nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
+    make_trace: called without arguments, gives ``trace``: a DataFrame with a row per node; default: one row.
+        Displays know the columns gait and value (value_m in metres, value_s in seconds) and, of a search tree, node,
+        parent, T (gaits so far) and chosen; others are shown as they are.
     target: where the hunter aims, as it sees it now; its heading is NaN where the prey's there is not known.
     evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
     support: babbling rows in that cell; None if not asked, or if unknown (an imported network).
@@ -116,11 +122,11 @@ class Plan:
     """
 
     gait: str
-    gaits: tuple[str, ...]
-    value: float
-    objective: str
-    nodes: int
-    make_trace: Callable[[], pd.DataFrame]
+    gaits: tuple[str, ...] = None  # type: ignore[assignment]  # filled in below
+    value: float = 0.0
+    objective: str = "no value, a rule decides"
+    nodes: int = 1
+    make_trace: Callable[[], pd.DataFrame] = None  # type: ignore[assignment]  # filled in below
     expansions: int = 0
     target: Polar | None = None
     evidence_probability: float | None = None
@@ -128,6 +134,12 @@ class Plan:
     posterior: np.ndarray | None = None
     prey_known: bool = False
     predicted_prey: Polar | None = None
+
+    def __post_init__(self) -> None:
+        if self.gaits is None:
+            object.__setattr__(self, "gaits", (self.gait,))
+        if self.make_trace is None:
+            object.__setattr__(self, "make_trace", partial(_one_row, self.gait, self.value))
 
     @cached_property
     def trace(self) -> pd.DataFrame:
@@ -202,6 +214,10 @@ def predict_prey(situation: Situation, steps: int) -> tuple[Polar, bool]:
     if not np.isfinite(path).all():
         raise InputError(f"the prey model predicts a pose that is not finite within {steps} steps")
     return path, True
+
+
+def _one_row(gait: str, value: float) -> pd.DataFrame:
+    return pd.DataFrame({"gait": [gait], "value": [value]})
 
 
 def _given(frame: pd.DataFrame) -> pd.DataFrame:

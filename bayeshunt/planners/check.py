@@ -16,7 +16,8 @@ from bayeshunt.planners.base import Plan, Planner, Situation
 def check_planner(planner: Planner, gaits: Iterable[str], situations: Iterable[Situation], seed: int) -> None:
     """Raise BayesHuntError, naming the planner and the fault, unless it keeps the rules.
 
-    gaits: the repertoire's names. situations: the cases to try. seed: of the generators it is given.
+    gaits: the repertoire's names. situations: the cases to try, for example those of a hunt with any planner,
+        ``bayeshunt.hunt(...).situations``. seed: of the generators it is given.
     The rules: ``rng`` is a required keyword; the plan holds gaits of the repertoire, the first of
     them to execute; one row of trace per node considered; the situation, its prey model and numpy's
     global generator are left as they were; the same situation and seed give the same plan, whatever

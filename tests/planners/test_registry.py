@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,7 +19,7 @@ from bayeshunt.geometry import Polar
 from bayeshunt.models.prey import PreyModel
 from bayeshunt.planners import registry
 from bayeshunt.planners.base import Plan, Planner, Situation
-from bayeshunt.planners.check import check_planner
+from bayeshunt.planners.check import check_planner, same_plan
 from bayeshunt.planners.registry import make_planner, planner_names, register_planner
 
 
@@ -183,3 +184,20 @@ def test_plans_do_not_depend_on_the_hash_seed():
         outputs.append(run.stdout.strip().splitlines()[-1])
     assert len(json.loads(outputs[0])) == 5 * len(planner_names(standalone=True))
     assert outputs[0] == outputs[1]
+
+
+def test_a_plan_needs_no_more_than_its_gait(model):
+    class Rule:
+        name = "rule"
+
+        def plan(self, situation, *, rng):
+            return Plan("straight")
+
+    check_planner(Rule(), model.gaits.names, situations(2), seed=1)
+    plan = Plan("straight")
+    assert (plan.gaits, plan.nodes, plan.objective) == (("straight",), 1, "no value, a rule decides")
+    assert plan.trace.to_dict("records") == [{"gait": "straight", "value": 0.0}]
+    assert same_plan(pickle.loads(pickle.dumps(plan)), plan)
+    assert "no value, a rule decides" in str(plan)
+    assert "straight" in plan._repr_html_()
+    assert Plan("straight", ("straight", "left"), 0.2).gaits == ("straight", "left")
