@@ -16,7 +16,7 @@ from bayeshunt.models.assess import Assessment
 from bayeshunt.views.figures_style import ACCENT, BAR, FAINT, INK, LINE, styled
 
 _PANELS = ("Distance", "Angle", "Heading", "Gait")
-_GIVEN = {"Gait": "Distance, Angle"}
+_GIVEN = {"Gait": "Distance,\nAngle"}  # in one line it runs out of the figure
 
 
 @styled

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from bayeshunt.errors import InputError
 from bayeshunt.experiments.sweep import AXES, COLUMNS
@@ -21,6 +21,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _LIMIT = "kinematic_limit"
 #: More panels side by side than this cannot be read.
 MAX_PANELS = 6
+_TICKS = 5  # labelled steps of an axis, at most: more of them touch
 
 
 @styled
@@ -77,6 +78,8 @@ def _finish(grid: np.ndarray, values: pd.Series) -> None:
             axes.set_xticks(range(len(names)), [shorten(name, 12) for name in names])
         elif values.min() > 0 and values.max() / values.min() > 20:
             axes.set_xscale("log")
+        else:
+            axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
     grid[0, 0].set_ylabel("prey caught (95 % interval)")
     grid[0, 0].yaxis.set_major_formatter(PercentFormatter(1.0))
     grid[0, 0].set_ylim(-0.03, 1.03)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pandas as pd
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from bayeshunt.errors import InputError
 from bayeshunt.views.figures_style import save
@@ -92,3 +95,15 @@ def test_a_tradeoff_labels_both_ends_of_every_curve():
     texts = tradeoff_figure(frame).axes[0].texts
     assert [text.get_text() for text in texts] == ["0", "7", "0", "100"]
     assert len({(text.xy, text.xyann) for text in texts}) == 4
+
+
+@pytest.mark.parametrize("values", [[0.8, 0.9], [0.5, 1.3], [4, 16], [0.0125, 0.025]])
+def test_the_labels_of_neighbouring_values_do_not_touch(values):
+    figure = sweep_figure(a_sweep(values))
+    FigureCanvasAgg(figure).draw()
+    axes = figure.axes[1]
+    low, high = axes.get_xlim()
+    shown = [label for label in axes.get_xticklabels() if low <= label.get_position()[0] <= high]
+    boxes = [label.get_window_extent() for label in shown]
+    assert len(boxes) > 1
+    assert all(one.x1 + 4 < two.x0 for one, two in pairwise(boxes))
