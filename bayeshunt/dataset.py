@@ -213,10 +213,10 @@ def _check_numbers(values: pd.Series, column: str, source: str, first_row: int) 
 
 def _check_radians(values: pd.Series, column: str, source: str, first_row: int) -> None:
     numbers = values.to_numpy(dtype=float)
-    row = _first(np.abs(numbers) > FULL_TURN)
+    row = _first(np.abs(numbers) > 2 * FULL_TURN)  # not wrapped yet is fine; degrees go far beyond
     if row is not None:
         raise DataError(
-            f"{source}: row {first_row + row}: {column} is {numbers[row]:g}; expected radians from -2 pi to 2 pi; "
+            f"{source}: row {first_row + row}: {column} is {numbers[row]:g}; expected radians from -4 pi to 4 pi; "
             f"if the column is in degrees, convert it: numpy.radians(frame[{column!r}])"
         )
 

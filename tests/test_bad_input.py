@@ -96,7 +96,7 @@ CASES = {
     "angles in degrees": (
         lambda f: edit_table(f, lambda t: t.assign(angle=np.degrees(t["angle"]) + 90)),
         FIT,
-        "expected radians from -2 pi to 2 pi; if the column is in degrees, convert it: numpy.radians(frame['angle'])",
+        "expected radians from -4 pi to 4 pi; if the column is in degrees, convert it: numpy.radians(frame['angle'])",
     ),
     "headings in degrees": (lambda f: edit_table(f, lambda t: t.assign(heading=-90.0)), FIT, "row 0: heading is -90;"),
     "empty table": (lambda f: edit_table(f, lambda t: t.iloc[:0]), FIT, "the table has no rows"),

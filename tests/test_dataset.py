@@ -114,3 +114,11 @@ def test_an_unknown_gait_is_named_with_the_row_of_the_whole_table(tmp_path, monk
 def test_path_columns_are_found_in_order():
     names = dataset.path_column_names(12)
     assert dataset.path_columns(reversed([*names, "gait", "path_x_forward"])) == names
+
+
+def test_angles_that_were_not_wrapped_are_angles(khepera_frame):
+    angle, heading = khepera_frame["angle"], khepera_frame["heading"]
+    turned = khepera_frame.assign(angle=angle + 2 * np.pi, heading=heading - 2 * np.pi)
+    dataset.validate(turned)
+    with pytest.raises(DataError, match="expected radians"):
+        dataset.validate(turned.assign(angle=np.degrees(angle)))
