@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 _LEVEL = "a probability between 0 and 1"
 
 
-class OpenTables:
+class OpenTables(ABC):
     """What a person asks of a model's tables; a forward model is one.
 
     joint: the counts behind every table. prior: Dirichlet pseudo-count per cell.
@@ -45,14 +46,14 @@ class OpenTables:
         """The bins of Distance, Angle and Heading."""
         return self.joint.axes
 
+    @abstractmethod
     def probabilities(self, variable: str) -> np.ndarray:
         """Return a read-only CPT: [K, G] P(variable | Gait), or [G] for "Gait"."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def _counted_rows(self) -> CountedRows:
         """The rows that the model has counted."""
-        raise NotImplementedError
 
     def cpt(self, variable: str) -> pd.DataFrame:
         """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""

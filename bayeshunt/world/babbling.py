@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Iterator
 from importlib.metadata import version
 from typing import Any
 
@@ -55,15 +56,12 @@ def babble(
     return _table(robot, order, executed, provenance(robot, physics, steps, seed))
 
 
-def _execute(
+def hold(
     world: Any, drive: Drive, physics: PhysicsSettings, command: tuple[float, ...], counts: list[int]
-) -> list[Pose]:
-    """Hold ``command`` from the origin; return the world pose at the end of each interval."""
-    angle = float(drive.body.angle)
-    drive.place(Pose(0.0, 0.0, float(np.remainder(angle, 2 * np.pi))))
-    start = drive.pose.theta
+) -> Iterator[Pose]:
+    """Hold one command; yield the world pose [m, rad] at the end of each interval of ``counts`` physics steps."""
     drive.command(*command)
-    poses, taken = [], 0
+    taken = 0
     for count in counts:
         for _ in range(count):
             if taken % physics.control_steps == 0:
@@ -71,8 +69,19 @@ def _execute(
             drive.advance()
             world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
             taken += 1
-        x, y, theta = drive.pose
-        poses.append(Pose(x, y, theta - start))
+            if world.contactCount:
+                drive.read_back()
+        yield drive.pose
+
+
+def _execute(
+    world: Any, drive: Drive, physics: PhysicsSettings, command: tuple[float, ...], counts: list[int]
+) -> list[Pose]:
+    """Hold ``command`` from the origin; return the world pose at the end of each interval."""
+    angle = float(drive.body.angle)
+    drive.place(Pose(0.0, 0.0, float(np.remainder(angle, 2 * np.pi))))
+    start = drive.pose.theta
+    poses = [Pose(x, y, theta - start) for x, y, theta in hold(world, drive, physics, command, counts)]
     # turned into the robot's first frame: x ahead, y to the left
     c, s = np.cos(start), np.sin(start)
     return [Pose(c * x + s * y, c * y - s * x, turn) for x, y, turn in poses]

@@ -10,8 +10,9 @@ import pandas as pd
 from bayeshunt.checks import check_whole
 from bayeshunt.config import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.dataset import PROVENANCE_KEY
+from bayeshunt.geometry import Pose
 from bayeshunt.world.arena import build_walls, new_world
-from bayeshunt.world.babbling import interval_steps, provenance
+from bayeshunt.world.babbling import hold, interval_steps, provenance
 from bayeshunt.world.bodies import build_drive
 
 
@@ -43,20 +44,9 @@ def explore(
         build_walls(world, arena.width / unit, arena.height / unit)
     drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
     counts = interval_steps(physics.steps(robot.gait_duration))
-    poses = []
+    poses: list[Pose] = []
     for gait in order.tolist():
-        drive.command(*robot.gaits[gait].command)
-        taken = 0
-        for count in counts:
-            for _ in range(count):
-                if taken % physics.control_steps == 0:
-                    drive.next_interval()
-                drive.advance()
-                world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
-                taken += 1
-                if world.contactCount:
-                    drive.read_back()
-            poses.append(drive.pose)
+        poses.extend(hold(world, drive, physics, robot.gaits[gait].command, counts))
         if progress is not None:
             progress(1)
     x, y, theta = np.array(poses).T

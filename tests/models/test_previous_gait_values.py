@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -81,14 +80,14 @@ def test_malformed_files_are_refused(damage) -> None:
         loads(json.dumps(record))
 
 
-def test_models_travel_to_other_processes() -> None:
+def test_models_travel_to_other_processes(worker) -> None:
     model = fit(FRAME, 0.1)
-    assert pickle.loads(pickle.dumps(model)) == model
-    part = pickle.loads(pickle.dumps(model.after("b")))
+    assert worker(model) == model
+    part = worker(model.after("b"))
     assert part == model.after("b")
     assert part != model.after("c")
     assert hash(part) == hash(model.after("b"))
-    answer = pickle.loads(pickle.dumps(bh.InverseModel(model).after("b")))
+    answer = worker(bh.InverseModel(model).after("b"))
     assert answer.posterior(0.1, 0.2).values.tolist() == bh.InverseModel(part).posterior(0.1, 0.2).values.tolist()
 
 
@@ -123,7 +122,7 @@ def test_xmlbif_is_read_back_with_the_same_posterior(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["xmlbif", "bif"])
-def test_a_network_with_the_gait_before_is_read(kind: str, tmp_path: Path) -> None:
+def test_a_network_with_the_gait_before_is_read(kind: str, tmp_path: Path, worker) -> None:
     """Our own export, and one that pgmpy writes: the same answers, without counts."""
     model, path = fit(FRAME, 0.2, "empirical"), tmp_path / f"m.{kind}"
     if kind == "xmlbif":
@@ -139,7 +138,7 @@ def test_a_network_with_the_gait_before_is_read(kind: str, tmp_path: Path) -> No
     assert set(read.local_tables) == set(model.local_tables)
     for name, table in model.local_tables.items():
         np.testing.assert_allclose(read.local_tables[name], table, rtol=0, atol=1e-12 if kind == "xmlbif" else 1e-7)
-    again = pickle.loads(pickle.dumps(read))
+    again = worker(read)
     assert again == read
     for name in (*GAITS, None):
         part = read.after(name)
