@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -186,7 +185,7 @@ def test_plans_do_not_depend_on_the_hash_seed():
     assert outputs[0] == outputs[1]
 
 
-def test_a_plan_needs_no_more_than_its_gait(model):
+def test_a_plan_needs_no_more_than_its_gait(model, worker):
     class Rule:
         name = "rule"
 
@@ -197,7 +196,7 @@ def test_a_plan_needs_no_more_than_its_gait(model):
     plan = Plan("straight")
     assert (plan.gaits, plan.nodes, plan.objective) == (("straight",), 1, "no value, a rule decides")
     assert plan.trace.to_dict("records") == [{"gait": "straight", "value": 0.0}]
-    assert same_plan(pickle.loads(pickle.dumps(plan)), plan)
+    assert same_plan(worker(plan), plan)
     assert "no value, a rule decides" in str(plan)
     assert "straight" in plan._repr_html_()
     assert Plan("straight", ("straight", "left"), 0.2).gaits == ("straight", "left")
