@@ -8,15 +8,13 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from bayeshunt import displays
+from bayeshunt.core import displays
 
 if TYPE_CHECKING:
-    from bayeshunt.axes import Axis, EffectAxes
-    from bayeshunt.config import ExperimentSettings, RobotSettings
-    from bayeshunt.dataset import load as load_dataset
-    from bayeshunt.dataset import save as save_dataset
-    from bayeshunt.episode import Episode
-    from bayeshunt.errors import (
+    from bayeshunt.config.loading import load_experiment, load_robot
+    from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+    from bayeshunt.core.bins import Axis, EffectAxes
+    from bayeshunt.core.errors import (
         BayesHuntError,
         ConfigError,
         DataError,
@@ -29,44 +27,46 @@ if TYPE_CHECKING:
         WorkerError,
         ZeroCountError,
     )
-    from bayeshunt.experiments.explorations import learn_room
-    from bayeshunt.experiments.memories import remember
-    from bayeshunt.experiments.references import reference
-    from bayeshunt.experiments.runner import evaluate
+    from bayeshunt.core.gaits import Gait, GaitRepertoire
+    from bayeshunt.core.geometry import Polar, Pose, wrap
+    from bayeshunt.data.babbling_table import load as load_dataset
+    from bayeshunt.data.babbling_table import save as save_dataset
+    from bayeshunt.episodes.episode import Episode
+    from bayeshunt.episodes.loop import hunt
+    from bayeshunt.experiments.preparation import learn_room
+    from bayeshunt.experiments.run.runner import evaluate
     from bayeshunt.experiments.scores import summarise, wilson_interval
-    from bayeshunt.experiments.store import load_results, save_results
-    from bayeshunt.experiments.sweep import sweep
-    from bayeshunt.experiments.tradeoff import tradeoff
-    from bayeshunt.gaits import Gait, GaitRepertoire
-    from bayeshunt.geometry import Polar, Pose, wrap
-    from bayeshunt.hunting import hunt
-    from bayeshunt.models.assess import Assessment, assess
-    from bayeshunt.models.forward import ForwardModel
-    from bayeshunt.models.interchange import read_network as import_network
-    from bayeshunt.models.inverse import InverseModel
-    from bayeshunt.models.prey import PreyModel
-    from bayeshunt.models.rooms import RoomModel
-    from bayeshunt.models.structures import Structure
-    from bayeshunt.models.turns import TurnModel
-    from bayeshunt.planners.base import Plan, Situation
+    from bayeshunt.experiments.store.export import load_results, save_results
+    from bayeshunt.experiments.studies.memories import remember
+    from bayeshunt.experiments.studies.references import reference
+    from bayeshunt.experiments.studies.sweep import sweep
+    from bayeshunt.experiments.studies.tradeoff import tradeoff
+    from bayeshunt.models.arena.rooms import RoomModel
+    from bayeshunt.models.assessment.assess import Assessment, assess
+    from bayeshunt.models.body.forward import ForwardModel
+    from bayeshunt.models.body.inverse import InverseModel
+    from bayeshunt.models.formats.interchange import read_network as import_network
+    from bayeshunt.models.tables.structures import Structure
+    from bayeshunt.models.target.prey import PreyModel
+    from bayeshunt.models.target.turns import TurnModel
+    from bayeshunt.planners.api import Plan, Situation
     from bayeshunt.planners.catalogue import describe_planner
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
-    from bayeshunt.settings import load_experiment, load_robot
-    from bayeshunt.views.explorer import Explorer
-    from bayeshunt.views.replay import write_replay
-    from bayeshunt.views.report import write_report
-    from bayeshunt.world.babbling import babble
-    from bayeshunt.world.prey import register_prey
+    from bayeshunt.views.notebook.explorer import Explorer
+    from bayeshunt.views.pages.replay import write_replay
+    from bayeshunt.views.pages.report import write_report
+    from bayeshunt.worlds.babbling import babble
+    from bayeshunt.worlds.prey.behaviours import register_prey
 
 #: Public name -> (module, name there).
 _HOMES = {
-    **{name: ("bayeshunt.axes", name) for name in ("Axis", "EffectAxes")},
-    **{name: ("bayeshunt.config", name) for name in ("ExperimentSettings", "RobotSettings")},
-    "load_dataset": ("bayeshunt.dataset", "load"),
-    "save_dataset": ("bayeshunt.dataset", "save"),
-    "Episode": ("bayeshunt.episode", "Episode"),
+    **{name: ("bayeshunt.core.bins", name) for name in ("Axis", "EffectAxes")},
+    **{name: ("bayeshunt.config.schema", name) for name in ("ExperimentSettings", "RobotSettings")},
+    "load_dataset": ("bayeshunt.data.babbling_table", "load"),
+    "save_dataset": ("bayeshunt.data.babbling_table", "save"),
+    "Episode": ("bayeshunt.episodes.episode", "Episode"),
     **{
-        name: ("bayeshunt.errors", name)
+        name: ("bayeshunt.core.errors", name)
         for name in (
             "BayesHuntError",
             "ConfigError",
@@ -81,38 +81,38 @@ _HOMES = {
             "ZeroCountError",
         )
     },
-    "evaluate": ("bayeshunt.experiments.runner", "evaluate"),
-    "reference": ("bayeshunt.experiments.references", "reference"),
-    "learn_room": ("bayeshunt.experiments.explorations", "learn_room"),
-    "RoomModel": ("bayeshunt.models.rooms", "RoomModel"),
-    "TurnModel": ("bayeshunt.models.turns", "TurnModel"),
-    "remember": ("bayeshunt.experiments.memories", "remember"),
-    "sweep": ("bayeshunt.experiments.sweep", "sweep"),
-    "tradeoff": ("bayeshunt.experiments.tradeoff", "tradeoff"),
+    "evaluate": ("bayeshunt.experiments.run.runner", "evaluate"),
+    "reference": ("bayeshunt.experiments.studies.references", "reference"),
+    "learn_room": ("bayeshunt.experiments.preparation", "learn_room"),
+    "RoomModel": ("bayeshunt.models.arena.rooms", "RoomModel"),
+    "TurnModel": ("bayeshunt.models.target.turns", "TurnModel"),
+    "remember": ("bayeshunt.experiments.studies.memories", "remember"),
+    "sweep": ("bayeshunt.experiments.studies.sweep", "sweep"),
+    "tradeoff": ("bayeshunt.experiments.studies.tradeoff", "tradeoff"),
     **{name: ("bayeshunt.experiments.scores", name) for name in ("summarise", "wilson_interval")},
-    **{name: ("bayeshunt.experiments.store", name) for name in ("load_results", "save_results")},
-    **{name: ("bayeshunt.gaits", name) for name in ("Gait", "GaitRepertoire")},
-    **{name: ("bayeshunt.geometry", name) for name in ("Polar", "Pose", "wrap")},
-    **{name: ("bayeshunt.models.assess", name) for name in ("Assessment", "assess")},
-    "ForwardModel": ("bayeshunt.models.forward", "ForwardModel"),
-    "import_network": ("bayeshunt.models.interchange", "read_network"),
-    "InverseModel": ("bayeshunt.models.inverse", "InverseModel"),
-    "Structure": ("bayeshunt.models.structures", "Structure"),
-    "PreyModel": ("bayeshunt.models.prey", "PreyModel"),
-    **{name: ("bayeshunt.planners.base", name) for name in ("Plan", "Situation")},
+    **{name: ("bayeshunt.experiments.store.export", name) for name in ("load_results", "save_results")},
+    **{name: ("bayeshunt.core.gaits", name) for name in ("Gait", "GaitRepertoire")},
+    **{name: ("bayeshunt.core.geometry", name) for name in ("Polar", "Pose", "wrap")},
+    **{name: ("bayeshunt.models.assessment.assess", name) for name in ("Assessment", "assess")},
+    "ForwardModel": ("bayeshunt.models.body.forward", "ForwardModel"),
+    "import_network": ("bayeshunt.models.formats.interchange", "read_network"),
+    "InverseModel": ("bayeshunt.models.body.inverse", "InverseModel"),
+    "Structure": ("bayeshunt.models.tables.structures", "Structure"),
+    "PreyModel": ("bayeshunt.models.target.prey", "PreyModel"),
+    **{name: ("bayeshunt.planners.api", name) for name in ("Plan", "Situation")},
     "describe_planner": ("bayeshunt.planners.catalogue", "describe_planner"),
     **{name: ("bayeshunt.planners.registry", name) for name in ("make_planner", "planner_names", "register_planner")},
-    **{name: ("bayeshunt.settings", name) for name in ("load_experiment", "load_robot")},
-    "babble": ("bayeshunt.world.babbling", "babble"),
-    "register_prey": ("bayeshunt.world.prey", "register_prey"),
-    "hunt": ("bayeshunt.hunting", "hunt"),
-    "Explorer": ("bayeshunt.views.explorer", "Explorer"),
-    "write_replay": ("bayeshunt.views.replay", "write_replay"),
-    "write_report": ("bayeshunt.views.report", "write_report"),
+    **{name: ("bayeshunt.config.loading", name) for name in ("load_experiment", "load_robot")},
+    "babble": ("bayeshunt.worlds.babbling", "babble"),
+    "register_prey": ("bayeshunt.worlds.prey.behaviours", "register_prey"),
+    "hunt": ("bayeshunt.episodes.loop", "hunt"),
+    "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),
+    "write_replay": ("bayeshunt.views.pages.replay", "write_replay"),
+    "write_report": ("bayeshunt.views.pages.report", "write_report"),
 }
 
 # Models, plans and episodes show themselves; only the package knows which room draws them.
-displays.arrange("bayeshunt.views.display")
+displays.arrange("bayeshunt.views.notebook.display")
 
 __all__ = ["__version__", *sorted(_HOMES)]
 

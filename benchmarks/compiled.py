@@ -31,14 +31,16 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
+from bayeshunt.config.loading import load_experiment
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.models.cells import count_numbers, number_cells
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners import lookahead, rollouts
+from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.cells import count_numbers, number_cells
+from bayeshunt.planners.interception import lookahead
 from bayeshunt.planners.registry import make_planner
-from bayeshunt.settings import load_experiment
-from bayeshunt.world import prey, sensors
+from bayeshunt.planners.search import rollouts
+from bayeshunt.worlds.prey import behaviours
+from bayeshunt.worlds.prey import proximity as sensors
 from benchmarks.evaluation import ROWS
 from benchmarks.kernels import Kernels, compile_kernels
 from benchmarks.planning import make_situations
@@ -190,7 +192,7 @@ def compiled_hunts(kernels: Kernels) -> Iterator[None]:
         return space(self, block, path, kernels.values)
 
     with (
-        mock.patch.object(prey, "proximity", kernels.sensors),
+        mock.patch.object(behaviours, "proximity", kernels.sensors),
         mock.patch.object(rollouts.CompiledRollouts, "space", with_values),
     ):
         yield

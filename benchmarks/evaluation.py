@@ -12,9 +12,9 @@ import os
 import time
 from typing import Any
 
+from bayeshunt.config.loading import load_experiment
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.settings import load_experiment
+from bayeshunt.experiments.run.runner import evaluate
 
 #: Planner and arena of every row.
 ROWS = (

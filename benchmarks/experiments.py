@@ -16,9 +16,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bayeshunt as bh
-from bayeshunt import dataset, sealed
-from bayeshunt.experiments.babbling import babble_to_file
-from bayeshunt.models.streaming import count_tables, open_tables
+from bayeshunt.data import babbling_table
+from bayeshunt.experiments.studies.babbling import babble_to_file
+from bayeshunt.files import parquet
+from bayeshunt.models.counting.streaming import count_tables, open_tables
 
 
 def learn() -> bh.ForwardModel:
@@ -93,13 +94,13 @@ def fit(options: argparse.Namespace) -> None:
     """
     robot = bh.load_robot("khepera")
     frame = bh.babble(robot, options.babbled, 0)
-    group = dataset.to_arrow(frame.loc[frame.index.repeat(sealed.ROW_GROUP // len(frame))])
-    mark, rows = sealed.digest(group), sealed.ROW_GROUP
+    group = babbling_table.to_arrow(frame.loc[frame.index.repeat(parquet.ROW_GROUP // len(frame))])
+    mark, rows = parquet.digest(group), parquet.ROW_GROUP
     while rows <= options.rows:
         with tempfile.TemporaryDirectory() as folder:
             path, times = Path(folder) / "b.parquet", rows // group.num_rows
-            record = frame.attrs[dataset.PROVENANCE_KEY]
-            sealed.write_groups(group.schema, (group for _ in range(times)), [mark] * times, record, path)
+            record = frame.attrs[babbling_table.PROVENANCE_KEY]
+            parquet.write_groups(group.schema, (group for _ in range(times)), [mark] * times, record, path)
             start = time.process_time()
             joint, _ = count_tables(open_tables([path]), robot.gaits)
             counted = time.process_time() - start

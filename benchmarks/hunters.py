@@ -24,15 +24,15 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 
-from bayeshunt.config import ExperimentSettings
-from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
-from bayeshunt.experiments.memories import remember
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.episodes.loop import run_hunt
+from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import hunt_seed, learn_model
-from bayeshunt.experiments.references import reference
 from bayeshunt.experiments.scores import wilson_interval
-from bayeshunt.hunting import run_hunt
+from bayeshunt.experiments.studies.memories import remember
+from bayeshunt.experiments.studies.references import reference
 from bayeshunt.planners.registry import is_ab_initio
-from bayeshunt.settings import load_experiment
 from benchmarks.interventions import FORESEEN, register
 
 BOTH = ("open", "walled")

@@ -26,16 +26,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt import dataset
-from bayeshunt.axes import EFFECTS, EffectAxes
-from bayeshunt.models import network
-from bayeshunt.models.cells import CountedCells
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
-from bayeshunt.models.posterior import Posterior
-from bayeshunt.models.structures import NAIVE
-from bayeshunt.settings import load_robot
-from bayeshunt.world.babbling import babble
+from bayeshunt.config.loading import load_robot
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.data import babbling_table
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.body.posterior import Posterior
+from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.tables import network
+from bayeshunt.models.tables.structures import NAIVE
+from bayeshunt.worlds.babbling import babble
 
 ANSWERS, QUERIES, MANY, REPEATS = 20_000, 300, 200_000, 5
 FIT_ROWS, FIT_REPEATS = 1_000_000, 9
@@ -166,14 +166,14 @@ def agreement(frame: pd.DataFrame, model: ForwardModel, seed: int) -> dict[str, 
 
 def million_rows(frame: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
     """A million rows in metres and radians, drawn from the babbled ones, their distances spread a little."""
-    rows = frame[list(dataset.COLUMNS)].iloc[rng.integers(0, len(frame), FIT_ROWS)].reset_index(drop=True)
+    rows = frame[list(babbling_table.COLUMNS)].iloc[rng.integers(0, len(frame), FIT_ROWS)].reset_index(drop=True)
     rows["distance"] *= rng.uniform(0.95, 1.05, FIT_ROWS)
     return rows
 
 
 def fit_labels(labels: pd.DataFrame, states: dict[str, list[str]]) -> Any:
     """The network that this project fits to rows already labelled: counted once, fitted by pgmpy from the counts."""
-    columns = [dataset.positions(labels[v], states[v]) for v in network.VARIABLES]
+    columns = [babbling_table.positions(labels[v], states[v]) for v in network.VARIABLES]
     counted = CountedCells.of_columns(network.VARIABLES, [len(states[v]) for v in network.VARIABLES], columns)
     return network.fit_cells(counted, states, 0.0, NAIVE)
 
@@ -207,7 +207,7 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
     kept = rows.astype({"gait": "category"})
 
     def bin_rows() -> pd.DataFrame:
-        columns = dataset.discretise(rows, fitted.gaits, fitted.axes).T
+        columns = babbling_table.discretise(rows, fitted.gaits, fitted.axes).T
         named = zip(network.VARIABLES, columns, strict=True)
         return pd.DataFrame({v: pd.Categorical.from_codes(column, states[v]) for v, column in named})
 
@@ -219,7 +219,7 @@ def fit_table(frame: pd.DataFrame, model: ForwardModel, seed: int) -> list[dict[
         return ForwardModel.fit(table, model.gaits).network
 
     def label_rows() -> pd.DataFrame:
-        columns = dataset.discretise(rows, fitted.gaits, fitted.axes).T
+        columns = babbling_table.discretise(rows, fitted.gaits, fitted.axes).T
         named = zip(network.VARIABLES, columns, strict=True)
         return pd.DataFrame({v: np.array(states[v], dtype=object)[column] for v, column in named}, dtype="str")
 

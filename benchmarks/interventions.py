@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Future, Plan, Situation
-from bayeshunt.planners.intercept_walls import intercept_walls
-from bayeshunt.planners.omniscient import Omniscient
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Future, Plan, Situation
+from bayeshunt.planners.bounds.omniscient import Omniscient
+from bayeshunt.planners.interception.intercept_walls import intercept_walls
 from bayeshunt.planners.registry import planner_names, register_planner
 
 FORESEEN = "omniscient_search_of_predicted_prey"

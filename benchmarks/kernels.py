@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.world import sensors
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.worlds.prey import proximity as sensors
 
 MOUNTS, MAX_VALUE = sensors._MOUNTS, sensors.MAX_VALUE
 

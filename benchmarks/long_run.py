@@ -15,10 +15,10 @@ import time
 from pathlib import Path
 
 import bayeshunt as bh
-from bayeshunt.experiments.database import HuntDatabase, Numbered
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.protocol import plan_hunts
-from bayeshunt.hunting import run_hunt
-from bayeshunt.settings import load_experiment
+from bayeshunt.experiments.store.database import HuntDatabase, Numbered
 
 PLANNERS, ARENAS = ("prediction", "planning"), ("walled", "open")
 

@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import Box2D
 import numpy as np
 
-from bayeshunt.hunting import starting_poses
-from bayeshunt.settings import load_experiment
-from bayeshunt.world.arena import Arena, Streams, build_walls, new_world
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.episodes.loop import starting_poses
+from bayeshunt.worlds.box2d.arena import Arena, Streams, build_walls, new_world
 
 ROUNDS, HUNTS, LANDER_STEPS = 7, 6, 3000
 

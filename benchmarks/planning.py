@@ -23,14 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.geometry import Polar
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Plan, Planner, Situation
+from bayeshunt.config.loading import load_robot
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Plan, Planner, Situation
 from bayeshunt.planners.registry import make_planner, planner_names
-from bayeshunt.planners.search import ORDERS
-from bayeshunt.settings import load_robot
-from bayeshunt.world.babbling import babble
+from bayeshunt.planners.search.search import ORDERS
+from bayeshunt.worlds.babbling import babble
 
 DEPTHS = (2, 4, 6, 8, 10)
 BUDGETS = (None, 60)  # expansions

@@ -16,11 +16,11 @@ from pathlib import Path
 from playwright.sync_api import Browser, sync_playwright
 
 import bayeshunt as bh
-from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
+from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.views.figures_hunts import hunts
-from bayeshunt.views.figures_style import save
-from bayeshunt.views.pages import asset, embed
+from bayeshunt.views.figures.hunts import hunts
+from bayeshunt.views.figures.style import save
+from bayeshunt.views.pages.page import asset, embed
 
 IMAGES = Path(__file__).parent / "images"
 #: Planners of the figure of hunts, and the hunt that all of them get.

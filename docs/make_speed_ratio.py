@@ -14,7 +14,7 @@ import matplotlib as mpl
 import pandas as pd
 
 import bayeshunt as bh
-from bayeshunt.views.figures_sweep import sweep_figure
+from bayeshunt.views.figures.sweep import sweep_figure
 
 OUT = Path(__file__).parent / "images" / "speed_ratio.png"
 PLANNERS = ("prediction", "planning", "intercept_walls", "omniscient", "kinematic_limit")

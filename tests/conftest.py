@@ -7,11 +7,11 @@ import pytest
 from joblib.externals.loky import ProcessPoolExecutor
 
 from bayeshunt.cli import main
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.config.loading import load_robot
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners import registry
-from bayeshunt.settings import load_robot
-from bayeshunt.world import prey
-from bayeshunt.world.babbling import babble
+from bayeshunt.worlds.babbling import babble
+from bayeshunt.worlds.prey import behaviours
 
 # Output as in a pipe of 80 columns, whatever terminal or service runs the tests; child processes too.
 os.environ["COLUMNS"] = "80"
@@ -42,7 +42,7 @@ def worker():
 @pytest.fixture(autouse=True)
 def registered_again():
     """Forget, after every test, the prey and planners that it has registered."""
-    kept = [(known, dict(known)) for known in (prey._BEHAVIOURS, registry._REGISTRY)]
+    kept = [(known, dict(known)) for known in (behaviours._BEHAVIOURS, registry._REGISTRY)]
     yield
     for known, before in kept:
         known.clear()

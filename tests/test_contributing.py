@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.experiments.plugins import load_plugin
+from bayeshunt.experiments.run.plugins import load_plugin
 from bayeshunt.planners import registry
 
 TEXT = (Path(__file__).parent.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")

@@ -21,7 +21,7 @@ from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
-from bayeshunt.errors import BayesHuntError, InputError
+from bayeshunt.core.errors import BayesHuntError, InputError
 
 
 def main() -> None:

@@ -33,7 +33,7 @@ def root(
 ) -> None:
     """Print the version if asked; run the plugins."""
     if plugin:
-        from bayeshunt.experiments.plugins import load_plugin
+        from bayeshunt.experiments.run.plugins import load_plugin
 
         for path in plugin:
             load_plugin(path)

@@ -11,7 +11,7 @@ import typer
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed
 from bayeshunt.cli.outputs import out_figure
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 _BINS = "(default: the model's, or {})"
 
@@ -39,13 +39,13 @@ def assess(
 
     Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png
     """
-    from bayeshunt import dataset
-    from bayeshunt.models.assess import assess as run
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.settings import load_robot
-    from bayeshunt.views import terminal
+    from bayeshunt.config.loading import load_robot
+    from bayeshunt.data import babbling_table
+    from bayeshunt.models.assessment.assess import assess as run
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.views.terminal import terminal
 
-    frame = dataset.load(data)
+    frame = babbling_table.load(data)
     forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits
     widths = (distance_bin, angle_bins, heading_bins)
@@ -56,21 +56,21 @@ def assess(
             structures=structure or None, permutations=permutations,
         )  # fmt: skip
     if out is not None:
-        from bayeshunt.views.assess_figure import write
+        from bayeshunt.views.figures.assessment import write
 
         write(result, out)
     if as_json:
         typer.echo(json.dumps({**result.to_dict(), "out": None if out is None else str(out)}))
         return
-    from bayeshunt.views.assess import assessment_tables
+    from bayeshunt.views.terminal.assessment import assessment_tables
 
     assessment_tables(result)
 
 
 def _axes(frame: Any, gaits: Any, model: Any, widths: tuple[float | None, int | None, int | None]) -> Any:
     """Axes of the bins asked for, or None if none was."""
-    from bayeshunt.axes import EffectAxes
-    from bayeshunt.settings import recorded_robot
+    from bayeshunt.config.loading import recorded_robot
+    from bayeshunt.core.bins import EffectAxes
 
     if all(width is None for width in widths):
         return None

@@ -10,7 +10,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, complete_planner, complete_robot
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 Toml = Annotated[bool, typer.Option("--toml", help="Print its settings file, to start your own from.")]
 
@@ -29,7 +29,7 @@ def planners(
     """
     from bayeshunt.planners.catalogue import describe_planner
     from bayeshunt.planners.registry import planner_names
-    from bayeshunt.views import catalogue
+    from bayeshunt.views.terminal import catalogue
 
     found = [describe_planner(known) for known in ([name] if name is not None else planner_names())]
     if as_json:
@@ -54,8 +54,8 @@ def robots(
 
     Example:  bayeshunt robots khepera --toml > mine.toml; bayeshunt babble --robot ./mine.toml --out b.parquet
     """
-    from bayeshunt.settings import load_robot, preset_names
-    from bayeshunt.views import catalogue
+    from bayeshunt.config.loading import load_robot, preset_names
+    from bayeshunt.views.terminal import catalogue
 
     if name is not None:
         _show(load_robot(name), as_toml, as_json)
@@ -76,8 +76,8 @@ def prey(as_json: Json = False) -> None:
 
     Example:  bayeshunt evaluate --set prey.behaviour=evader
     """
-    from bayeshunt.views import catalogue
-    from bayeshunt.world.prey import behaviours
+    from bayeshunt.views.terminal import catalogue
+    from bayeshunt.worlds.prey.behaviours import behaviours
 
     said = {name: (inspect.getdoc(made) or "").split("\n\n")[0] for name, made in behaviours().items()}
     rows = [(name, text.replace("\n", " ")) for name, text in said.items()]
@@ -99,8 +99,8 @@ def presets(
 
     Example:  bayeshunt presets paper --toml > mine.toml; bayeshunt evaluate --config mine.toml
     """
-    from bayeshunt.settings import load_experiment, preset_names
-    from bayeshunt.views import catalogue
+    from bayeshunt.config.loading import load_experiment, preset_names
+    from bayeshunt.views.terminal import catalogue
 
     if name is not None:
         _show(load_experiment(name), as_toml, as_json)
@@ -115,7 +115,7 @@ def presets(
 
 def _show(settings: Any, as_toml: bool, as_json: bool) -> None:
     """Print settings as text, as TOML or as JSON."""
-    from bayeshunt.views.commands import to_toml
+    from bayeshunt.views.pages.commands import to_toml
 
     if as_toml and as_json:
         raise InputError("--toml and --json: choose one")

@@ -58,9 +58,10 @@ def evaluate(
 
     Example:  bayeshunt evaluate --runs 100 --seed 0 --out results
     """
-    from bayeshunt.experiments import runner, store
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.run import runner
+    from bayeshunt.experiments.store import export
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.views.terminal import terminal
 
     settings = runner.experiment_settings(read_experiment(preset, config, overrides), runs)
     planners = check_names(settings, planner, arena)
@@ -72,7 +73,7 @@ def evaluate(
             settings, seed=seed, jobs=jobs, planners=planners, arenas=arena, model=forward, out=out,
             scheduler=scheduler, progress=advance, say=terminal.say,
         )  # fmt: skip
-    facts = store.summary(results, settings, seed)
+    facts = export.summary(results, settings, seed)
     if as_json:
         typer.echo(json.dumps(facts))
         return
@@ -91,20 +92,20 @@ def status(
 
     Example:  bayeshunt status results
     """
-    from bayeshunt.experiments.status import status as read
+    from bayeshunt.experiments.store.status import status as read
 
     found = read(folder)
     if as_json:
         typer.echo(json.dumps(found.to_dict()))
         return
-    from bayeshunt.views import terminal
+    from bayeshunt.views.terminal import terminal
 
     terminal.status_table(found)
 
 
 def _kept(out: Path | None) -> str:
     """What an evaluation that was stopped leaves behind."""
-    from bayeshunt.experiments.status import status as read
+    from bayeshunt.experiments.store.status import status as read
 
     if out is None:
         return "nothing is kept without --out"

@@ -23,7 +23,7 @@ from bayeshunt.cli.options import (
     tell,
 )
 from bayeshunt.cli.outputs import out_file, out_folder
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 
 @app.command(short_help="Draw the figures of the paper, as PNG and SVG.")
@@ -47,24 +47,25 @@ def figures(
 
     Example:  bayeshunt figures --out figures --results results
     """
-    from bayeshunt.experiments import runner, store
+    from bayeshunt.experiments.run import runner
+    from bayeshunt.experiments.store import export
     from bayeshunt.views import figures as drawing
-    from bayeshunt.views import terminal
+    from bayeshunt.views.terminal import terminal
 
     runner.check_jobs(jobs)
     if results is not None and overrides:
         raise InputError("--set changes hunts that are run now; --results brings its own settings: leave one out")
-    hunts = None if results is None else store.load_results(results)
+    hunts = None if results is None else export.load_results(results)
     settings = (
         runner.experiment_settings(read_experiment(preset, config, overrides), runs)
         if hunts is None
         else settings_of(hunts, results)
     )
-    folder = store.check_output_folder(out)
+    folder = export.check_output_folder(out)
     forward = load_or_learn(model, settings, seed, quiet=quiet or as_json)
     if hunts is None:
         hunts = _run(settings, forward, seed, jobs, quiet or as_json)
-    elif (difference := store.another_model(hunts.attrs.get("model"), forward)) is not None:
+    elif (difference := export.another_model(hunts.attrs.get("model"), forward)) is not None:
         terminal.say(f"warning: {difference}")
     planned, learned = _hunts(settings, forward, seed)
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
@@ -74,8 +75,8 @@ def figures(
 
 def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
     """Every hunt of the protocol, with a progress bar."""
-    from bayeshunt.experiments import runner
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.run import runner
+    from bayeshunt.views.terminal import terminal
 
     total = count_hunts(settings, settings.planners, None)
     with terminal.progress_bar("hunting", total, quiet=quiet) as advance:
@@ -84,7 +85,7 @@ def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
 
 def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
     """A hunt that plans, in the open if there is one, and a long one whose prey meets walls if there are any."""
-    from bayeshunt.hunting import hunt
+    from bayeshunt.episodes.loop import hunt
     from bayeshunt.planners.registry import make_planner
 
     arenas, thetas = settings.arenas, settings.protocol.thetas
@@ -114,9 +115,9 @@ def export(
 
     Example:  bayeshunt export model.json --out tables --xmlbif tables/model.xmlbif
     """
-    from bayeshunt.experiments.store import check_output_folder
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.models.xmlbif import labels_path
+    from bayeshunt.experiments.store.export import check_output_folder
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.models.formats.xmlbif import labels_path
 
     forward = open_model(model)
     names = [path.name for path in forward.to_csv(check_output_folder(out))]

@@ -47,11 +47,11 @@ def hunt(
 
     Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html
     """
-    from bayeshunt.checks import check_radians
-    from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
-    from bayeshunt.experiments.identity import model_fingerprint
-    from bayeshunt.hunting import hunt as run
-    from bayeshunt.views import terminal
+    from bayeshunt.core.checks import check_radians
+    from bayeshunt.episodes.loop import hunt as run
+    from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
+    from bayeshunt.experiments.store.identity import model_fingerprint
+    from bayeshunt.views.terminal import terminal
 
     check_radians(theta, "--theta")  # before anything is babbled
     settings = read_experiment(preset, config, overrides)
@@ -87,7 +87,7 @@ def hunt(
 
 def _write_replay(episode: Any, path: Path, forward: Any, model: Path | None, babbling_seed: int) -> None:
     """Write the page with the command that makes it again."""
-    from bayeshunt.views.commands import model_option
-    from bayeshunt.views.replay import write_replay
+    from bayeshunt.views.pages.commands import model_option
+    from bayeshunt.views.pages.replay import write_replay
 
     write_replay(episode, path, model=forward, source=model_option(model, babbling_seed))

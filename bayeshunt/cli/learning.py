@@ -14,7 +14,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
@@ -37,8 +37,8 @@ def babble(
 
     Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
     """
-    from bayeshunt.experiments.babbling import babble_to_file, kept_rows
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.studies.babbling import babble_to_file, kept_rows
+    from bayeshunt.views.terminal import terminal
 
     def kept() -> str:
         rows = kept_rows(out)
@@ -75,10 +75,10 @@ def fit(
 
     Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif
     """
-    from bayeshunt.models.forward import ForwardModel
-    from bayeshunt.models.streaming import count_tables, open_tables
-    from bayeshunt.settings import load_robot, recorded_robot
-    from bayeshunt.views import terminal
+    from bayeshunt.config.loading import load_robot, recorded_robot
+    from bayeshunt.models.body.forward import ForwardModel
+    from bayeshunt.models.counting.streaming import count_tables, open_tables
+    from bayeshunt.views.terminal import terminal
 
     tables = open_tables(data)
     maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
@@ -127,10 +127,10 @@ def query(
 
     Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
     """
-    from bayeshunt.checks import check_radians
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.models.inverse import InverseModel
-    from bayeshunt.models.structures import depends_on_previous
+    from bayeshunt.core.checks import check_radians
+    from bayeshunt.models.body.inverse import InverseModel
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.models.tables.structures import depends_on_previous
 
     check_radians(angle, "--angle")
     if heading is not None:
@@ -151,7 +151,7 @@ def query(
             facts["explanation"] = _plain(answer.explain())
         typer.echo(json.dumps(facts))
         return
-    from bayeshunt.views import terminal
+    from bayeshunt.views.terminal import terminal
 
     terminal.posterior_bars(answer)
     if explain:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 
 def complete_planner(incomplete: str) -> list[str]:
@@ -21,7 +21,7 @@ def complete_planner(incomplete: str) -> list[str]:
 
 def complete_robot(incomplete: str) -> list[str]:
     """Return the robots that ship and that a word on the command line may become."""
-    from bayeshunt.settings import preset_names
+    from bayeshunt.config.loading import preset_names
 
     return [name for name in preset_names("robots") if name.startswith(incomplete)]
 
@@ -56,7 +56,7 @@ def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
 
 def read_experiment(preset: str, config: Path | None, overrides: list[str] | None) -> Any:
     """Return the experiment that ``--preset``, ``--config`` and ``--set`` ask for."""
-    from bayeshunt.settings import load_experiment
+    from bayeshunt.config.loading import load_experiment
 
     return load_experiment(config or preset, parse_overrides(overrides))
 
@@ -104,8 +104,8 @@ def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | N
 
 def settings_of(hunts: Any, folder: Any) -> Any:
     """Return the settings that the results in a folder were made with."""
-    from bayeshunt.config import ExperimentSettings
-    from bayeshunt.settings import parse
+    from bayeshunt.config.loading import parse
+    from bayeshunt.config.schema import ExperimentSettings
 
     return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
 
@@ -113,9 +113,9 @@ def settings_of(hunts: Any, folder: Any) -> Any:
 def load_or_learn(path: Path | None, settings: Any, seed: int, *, quiet: bool) -> Any:
     """Load the model, or babble, with a progress bar unless ``quiet``, and fit one."""
     from bayeshunt.experiments.protocol import learn_model
-    from bayeshunt.experiments.runner import check_model
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.run.runner import check_model
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.views.terminal import terminal
 
     if path is None:
         with terminal.progress_bar("babbling", settings.model.babbling_steps, quiet=quiet) as advance:

@@ -12,8 +12,8 @@ from typing import Any
 
 import typer
 
-from bayeshunt.errors import InputError
-from bayeshunt.files import check_target
+from bayeshunt.core.errors import InputError
+from bayeshunt.files.atomic import check_target
 
 #: What an ending says of a file: those of files that are written here, and others that people may ask for.
 _KINDS = {

@@ -43,8 +43,8 @@ def reference(
     Example:  bayeshunt reference --out reference.npz;
     bayeshunt evaluate --planner reference --set planner.reference.table=reference.npz
     """
-    from bayeshunt.experiments import references
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.studies import references
+    from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
     expected = len(settings.robot.gait) + references.EXPECTED_SWEEPS
@@ -80,8 +80,8 @@ def remember(
     Example:  bayeshunt remember --out memory.json;
     bayeshunt evaluate --planner memory_place --set planner.memory_place.tables=memory.json
     """
-    from bayeshunt.experiments import memories
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.studies import memories
+    from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
     check_names(settings, [planner], arena)
@@ -111,13 +111,13 @@ def explore(
     Example:  bayeshunt explore --arena walled --out room.json;
     bayeshunt evaluate --planner intercept_walls --arena walled --set planner.intercept_walls.room=room.json
     """
-    from bayeshunt.experiments import explorations
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments import preparation
+    from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
     total = max(steps, 0) + settings.model.babbling_steps
     with terminal.progress_bar("exploring", total, quiet=quiet or as_json) as advance:
-        room = explorations.learn_room(settings, arena=arena, steps=steps, seed=seed, progress=advance)
+        room = preparation.learn_room(settings, arena=arena, steps=steps, seed=seed, progress=advance)
     room.save(out)
     walls = room.walls()
     facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
@@ -128,7 +128,7 @@ def explore(
 
 def _shown(walls: Any, steps: int) -> str:
     """A room in words: how many walls, and each of them in a row."""
-    from bayeshunt.views.display_text import align
+    from bayeshunt.views.terminal.texts import align
 
     if not len(walls):
         return f"no walls found; {steps} gaits met none"

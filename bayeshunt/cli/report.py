@@ -25,12 +25,12 @@ def replay(
 
     Example:  bayeshunt replay hunt.parquet --out hunt.html
     """
-    from bayeshunt.episode import Episode
-    from bayeshunt.experiments.store import another_model
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.views import terminal
-    from bayeshunt.views.commands import model_option
-    from bayeshunt.views.replay import write_replay
+    from bayeshunt.episodes.episode import Episode
+    from bayeshunt.experiments.store.export import another_model
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.views.pages.commands import model_option
+    from bayeshunt.views.pages.replay import write_replay
+    from bayeshunt.views.terminal import terminal
 
     forward = None if model is None else open_model(model)
     hunt = Episode.load(episode)
@@ -61,10 +61,10 @@ def report(
 
     Example:  bayeshunt report results --out report.html
     """
-    from bayeshunt.experiments.store import load_results
-    from bayeshunt.models.interchange import open_model
-    from bayeshunt.views import terminal
-    from bayeshunt.views.report import write_report
+    from bayeshunt.experiments.store.export import load_results
+    from bayeshunt.models.formats.interchange import open_model
+    from bayeshunt.views.pages.report import write_report
+    from bayeshunt.views.terminal import terminal
 
     frame = load_results(results)
     forward = None if model is None else open_model(model, settings_of(frame, results).robot.gaits)

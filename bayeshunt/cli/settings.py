@@ -17,12 +17,12 @@ def settings(
     as_json: Json = False,
 ) -> None:
     """List every key of a settings file with its unit, range and default."""
-    from bayeshunt.settings import describe
+    from bayeshunt.config.loading import describe
 
     rows = describe(name)
     if as_json:
         typer.echo(json.dumps(rows))
         return
-    from bayeshunt.views import terminal
+    from bayeshunt.views.terminal import terminal
 
     terminal.settings_table(rows)

@@ -28,7 +28,7 @@ from bayeshunt.cli.options import (
 )
 from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
-from bayeshunt.errors import ConfigError, InputError
+from bayeshunt.core.errors import ConfigError, InputError
 
 
 @app.command(short_help="Vary settings: success and catch time, with a figure.")
@@ -59,10 +59,11 @@ def sweep(
     Example:  bayeshunt sweep --axis speed_ratio --arena open --runs 20 --out speed
     --planner prediction --planner planning --planner kinematic_limit
     """
-    from bayeshunt.experiments import runner, store
-    from bayeshunt.experiments.sweep import at_point, combinations
-    from bayeshunt.experiments.sweep import sweep as run
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.run import runner
+    from bayeshunt.experiments.store import export
+    from bayeshunt.experiments.studies.sweep import at_point, combinations
+    from bayeshunt.experiments.studies.sweep import sweep as run
+    from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
     planners = check_names(settings, planner, arena)
@@ -70,7 +71,7 @@ def sweep(
     chosen = _grid(axis, grid)
     points = [at_point(settings, values, runs) for values in combinations(chosen)]
     if out is not None:
-        store.check_output_folder(out)
+        export.check_output_folder(out)
     total = sum(count_hunts(point, planners, arena) for point in points)
     with stoppable(lambda: _kept(out)), terminal.progress_bar("sweeping", total, quiet=quiet or as_json) as advance:
         frame = run(
@@ -120,16 +121,17 @@ def tradeoff(
 
     Example:  bayeshunt tradeoff --vary transitions --vary distance=0,50,200 --runs 20 --out costs
     """
-    from bayeshunt.experiments import runner, store
-    from bayeshunt.experiments import tradeoff as costs
-    from bayeshunt.views import terminal
+    from bayeshunt.experiments.run import runner
+    from bayeshunt.experiments.store import export
+    from bayeshunt.experiments.studies import tradeoff as costs
+    from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
     beside = check_names(settings, planner or ["prediction", "planning"], [arena])
     runner.check_jobs(jobs)
     varied = _varied(vary)
     if out is not None:
-        store.check_output_folder(out)
+        export.check_output_folder(out)
     cases = len(beside) + sum(len(values) for values in varied.values())
     total = len(settings.protocol.thetas) * (settings.protocol.runs if runs is None else max(runs, 0)) * cases
     with terminal.progress_bar("weighing", total, quiet=quiet or as_json) as advance:
@@ -147,7 +149,7 @@ def tradeoff(
 
 def _varied(given: list[str] | None) -> dict[str, Any]:
     """The weights to vary and their values."""
-    from bayeshunt.experiments.tradeoff import VARIED
+    from bayeshunt.experiments.studies.tradeoff import VARIED
 
     varied: dict[str, Any] = {}
     for text in given or ["transitions"]:
@@ -163,9 +165,9 @@ def _varied(given: list[str] | None) -> dict[str, Any]:
 
 def _write_tradeoff(frame: Any, folder: Path) -> list[Path]:
     """Write tradeoff.csv, tradeoff.json and the figure."""
-    from bayeshunt.files import write_text
-    from bayeshunt.views.figures_style import save
-    from bayeshunt.views.figures_tradeoff import tradeoff_figure
+    from bayeshunt.files.atomic import write_text
+    from bayeshunt.views.figures.style import save
+    from bayeshunt.views.figures.tradeoff import tradeoff_figure
 
     files = [folder / "tradeoff.csv", folder / "tradeoff.json"]
     write_text(files[0], frame.to_csv(index=False))
@@ -175,7 +177,7 @@ def _write_tradeoff(frame: Any, folder: Path) -> list[Path]:
 
 def _grid(axes: list[str] | None, path: Path | None) -> dict[str, Any]:
     """The grid of the options: ``--axis`` after what stands in the file."""
-    from bayeshunt.experiments.sweep import AXES
+    from bayeshunt.experiments.studies.sweep import AXES
 
     grid: dict[str, Any] = {} if path is None else _read(path)
     for text in axes or ():
@@ -230,10 +232,10 @@ def _facts(frame: Any, files: list[Path]) -> dict[str, Any]:
 
 def _write(frame: Any, folder: Path) -> list[Path]:
     """Write sweep.csv, sweep.json and, where it can be read, the figure."""
-    from bayeshunt.files import write_text
-    from bayeshunt.views import terminal
-    from bayeshunt.views.figures_style import save
-    from bayeshunt.views.figures_sweep import sweep_figure
+    from bayeshunt.files.atomic import write_text
+    from bayeshunt.views.figures.style import save
+    from bayeshunt.views.figures.sweep import sweep_figure
+    from bayeshunt.views.terminal import terminal
 
     files = [folder / "sweep.csv", folder / "sweep.json"]
     write_text(files[0], frame.to_csv(index=False))

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import InputError
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.world.babbling import babble
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.worlds.babbling import babble
 
 
 class HuntTask(NamedTuple):

@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from bayeshunt.checks import check_whole
-from bayeshunt.config import ExperimentSettings
-from bayeshunt.errors import InputError
-from bayeshunt.models.structures import NAIVE
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.tables.structures import NAIVE
 
 #: 97.5 % quantile of the standard normal distribution.
 _Z95 = 1.959963984540054

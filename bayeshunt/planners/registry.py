@@ -8,24 +8,24 @@ import inspect
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
-from bayeshunt.checks import check_kind
-from bayeshunt.errors import InputError
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.planners.base import Planner
-from bayeshunt.planners.belief import BeliefSettings, belief
-from bayeshunt.planners.best_first import PlanningSettings, planning
-from bayeshunt.planners.frugal import Frugal
-from bayeshunt.planners.intercept import InterceptSettings, intercept
-from bayeshunt.planners.intercept_room import RoomGuessSettings, intercept_room
-from bayeshunt.planners.intercept_walls import SETTINGS as ROOM_SETTINGS
-from bayeshunt.planners.intercept_walls import intercept_walls
-from bayeshunt.planners.limits import KinematicLimit
-from bayeshunt.planners.memory import Memory, OrderMemory, PlaceMemory
-from bayeshunt.planners.omniscient import Omniscient
-from bayeshunt.planners.predictive import PredictionPlanner
-from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
-from bayeshunt.planners.reactive import ReactivePlanner
-from bayeshunt.planners.reference import Reference
+from bayeshunt.core.checks import check_kind
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Planner
+from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
+from bayeshunt.planners.bounds.omniscient import Omniscient
+from bayeshunt.planners.bounds.reference import Reference
+from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
+from bayeshunt.planners.interception.belief import BeliefSettings, belief
+from bayeshunt.planners.interception.intercept import InterceptSettings, intercept
+from bayeshunt.planners.interception.intercept_room import RoomGuessSettings, intercept_room
+from bayeshunt.planners.interception.intercept_walls import SETTINGS as ROOM_SETTINGS
+from bayeshunt.planners.interception.intercept_walls import intercept_walls
+from bayeshunt.planners.paper.planning import PlanningSettings, planning
+from bayeshunt.planners.paper.prediction import PredictionPlanner
+from bayeshunt.planners.paper.reactive import ReactivePlanner
+from bayeshunt.planners.sequences.frugal import Frugal
+from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
 
 #: Makes a planner from a forward model and settings given by name.
 Factory = Callable[..., Planner]

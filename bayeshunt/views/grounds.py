@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 if TYPE_CHECKING:
-    from bayeshunt.models.forward import ForwardModel
-    from bayeshunt.models.posterior import Posterior
+    from bayeshunt.models.body.forward import ForwardModel
+    from bayeshunt.models.body.posterior import Posterior
 
 #: Why nothing is known of the rows behind an imported network.
 NO_COUNTS = "an imported network carries no counts"

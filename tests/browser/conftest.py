@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.views.replay import write_replay
+from bayeshunt.views.pages.replay import write_replay
 
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra: test)")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.views.pages import asset
+from bayeshunt.views.pages.page import asset
 
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 

@@ -10,7 +10,7 @@ import pytest
 from waiting import wait_until
 
 import bayeshunt as bh
-from bayeshunt.views.replay import write_replay
+from bayeshunt.views.pages.replay import write_replay
 
 PLANNERS = ("reactive", "prediction", "planning")
 

@@ -6,7 +6,7 @@ import pytest
 from waiting import wait_until
 
 import bayeshunt as bh
-from bayeshunt.views.report import write_report
+from bayeshunt.views.pages.report import write_report
 
 
 @pytest.fixture(scope="module")

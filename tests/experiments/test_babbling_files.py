@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from bayeshunt import dataset
-from bayeshunt.errors import DataError, FolderInUseError, InputError
-from bayeshunt.experiments.babbling import babble_to_file, kept_rows, shard_seed
-from bayeshunt.experiments.lock import FolderLock
-from bayeshunt.world.babbling import babble
+from bayeshunt.core.errors import DataError, FolderInUseError, InputError
+from bayeshunt.data import babbling_table
+from bayeshunt.experiments.studies.babbling import babble_to_file, kept_rows, shard_seed
+from bayeshunt.files.locks import FolderLock
+from bayeshunt.worlds.babbling import babble
 
 WHAT = {"robot": "khepera", "steps": 130, "seed": 3, "shard_rows": 50}
 
 
 def test_a_small_table_is_the_one_in_memory(tmp_path):
     gaits = babble_to_file("khepera", 50, 3, tmp_path / "t.parquet", shard_rows=50)
-    frame = dataset.load(tmp_path / "t.parquet")
-    assert frame.equals(dataset.load(tmp_path / "t.parquet"))
+    frame = babbling_table.load(tmp_path / "t.parquet")
+    assert frame.equals(babbling_table.load(tmp_path / "t.parquet"))
     expected = babble("khepera", 50, 3)
     assert frame.attrs == expected.attrs
     np.testing.assert_array_equal(frame["distance"], expected["distance"])
@@ -25,7 +25,7 @@ def test_a_small_table_is_the_one_in_memory(tmp_path):
 def test_shards_are_tables_of_their_own_seeds(tmp_path):
     path = tmp_path / "t.parquet"
     babble_to_file(**WHAT, path=path)
-    frame = dataset.load(path)
+    frame = babbling_table.load(path)
     assert frame["step"].tolist() == list(range(130))
     for number, rows in enumerate((50, 50, 30)):
         part = frame.iloc[50 * number :][:rows]

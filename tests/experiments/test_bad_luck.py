@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from bayeshunt.experiments.status import status
+from bayeshunt.experiments.store.status import status
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses resource limits and signals")
 
@@ -71,10 +71,10 @@ def test_a_full_disk_stops_the_evaluation_and_room_lets_it_go_on(model_file, tmp
     ],
 )
 def test_a_full_disk_leaves_no_half_written_file(arguments, tmp_path, khepera_frame, monkeypatch):
-    from bayeshunt import dataset
+    from bayeshunt.data import babbling_table
 
     monkeypatch.chdir(tmp_path)
-    dataset.save(khepera_frame, "in.parquet")
+    babbling_table.save(khepera_frame, "in.parquet")
     code, output, errors = run(*arguments, limit=4096)
     assert (code, output) == (1, "")
     assert errors.count("\n") == 1
@@ -116,7 +116,7 @@ def test_stopped_by_a_signal(model_file, tmp_path, number):
 
 
 def ended(folder):
-    from bayeshunt.errors import BayesHuntError
+    from bayeshunt.core.errors import BayesHuntError
 
     try:
         return status(folder).ended

@@ -8,15 +8,15 @@ import sys
 
 import pytest
 
-from bayeshunt.errors import InputError
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import InputError
+from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.protocol import hunt_seed
-from bayeshunt.experiments.runner import evaluate
+from bayeshunt.experiments.run.runner import evaluate
 from bayeshunt.experiments.scores import summarise
-from bayeshunt.experiments.store import load_results, summary
-from bayeshunt.hunting import run_hunt
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.experiments.store.export import load_results, summary
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
-from bayeshunt.settings import load_experiment
 
 PAPER = load_experiment("paper")
 
@@ -75,7 +75,7 @@ def test_nonsense_is_refused_before_any_work(khepera_model, change, message):
 
 
 def test_a_model_of_another_robot_is_refused(khepera_model):
-    from bayeshunt.settings import load_robot
+    from bayeshunt.config.loading import load_robot
 
     car = load_experiment("paper", {"robot": load_robot("car").model_dump()})
     with pytest.raises(InputError, match="not those of robot 'car'"):

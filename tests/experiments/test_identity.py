@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 import bayeshunt
-from bayeshunt.errors import ResultsError
-from bayeshunt.experiments import identity
-from bayeshunt.experiments.identity import LIBRARIES, Identity
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import ResultsError
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.experiments.store import another_model, load_results, save_results, summary
-from bayeshunt.settings import load_experiment
-from bayeshunt.views.report import report_facts, report_html, write_report
+from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.experiments.store import identity
+from bayeshunt.experiments.store.export import another_model, load_results, save_results, summary
+from bayeshunt.experiments.store.identity import LIBRARIES, Identity
+from bayeshunt.views.pages.report import report_facts, report_html, write_report
 
 PACKAGE = Path(bayeshunt.__file__).parent
 #: What the rooms below the experiments import and what changes no number: checks of settings, files.

@@ -6,15 +6,15 @@ import json
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.errors import InputError, ResultsError
-from bayeshunt.experiments.plugins import load_plugin, used_additions
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.experiments.sources import imported_files, source_hashes
-from bayeshunt.settings import load_experiment
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import InputError, ResultsError
+from bayeshunt.experiments.run.plugins import load_plugin, used_additions
+from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.experiments.run.sources import imported_files, source_hashes
 
 PLUGIN = """
 import bayeshunt as bh
-from bayeshunt.planners.reactive import ReactivePlanner
+from bayeshunt.planners.paper.reactive import ReactivePlanner
 
 class Circle:
     def __init__(self, context):
@@ -133,7 +133,7 @@ def test_a_package_is_found_by_its_own_name_and_a_file_that_python_cannot_read_i
 def test_beside_an_installed_plugin_nothing_else_that_is_installed_counts(tmp_path, monkeypatch):
     written(tmp_path, own="import other, pack.tools", other="", pack__own="from pack import tools", pack__tools="")
     (tmp_path / "pack" / "__init__.py").touch()
-    monkeypatch.setattr("bayeshunt.experiments.sources._installed", lambda: {tmp_path})
+    monkeypatch.setattr("bayeshunt.experiments.run.sources._installed", lambda: {tmp_path})
     assert imported_files(tmp_path / "own.py") == []
     found = [path.name for path in imported_files(tmp_path / "pack" / "own.py")]
     assert found == ["__init__.py", "tools.py"]
@@ -155,6 +155,6 @@ def test_results_of_a_changed_helper_of_a_plugin_are_not_mixed(tmp_path, khepera
 
 
 def test_an_unknown_prey_is_refused_before_any_work(monkeypatch):
-    monkeypatch.setattr("bayeshunt.experiments.runner.learn_model", lambda *_: pytest.fail("it babbled"))
+    monkeypatch.setattr("bayeshunt.experiments.run.runner.learn_model", lambda *_: pytest.fail("it babbled"))
     with pytest.raises(InputError, match="unknown behaviour 'rabbit'"):
         evaluate(load_experiment("paper", {"prey.behaviour": "rabbit"}), runs=1)

@@ -6,14 +6,14 @@ from itertools import islice
 
 import pytest
 
-from bayeshunt.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
-from bayeshunt.experiments import batches, runner
-from bayeshunt.experiments.database import DATABASE_FILE, HuntDatabase
-from bayeshunt.experiments.identity import Identity
-from bayeshunt.experiments.lock import FolderLock, is_locked
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.experiments.status import status
-from bayeshunt.experiments.store import HUNTS_FILE, load_results
+from bayeshunt.core.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
+from bayeshunt.experiments.run import batches, runner
+from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.experiments.store.database import DATABASE_FILE, HuntDatabase
+from bayeshunt.experiments.store.export import HUNTS_FILE, load_results
+from bayeshunt.experiments.store.identity import Identity
+from bayeshunt.experiments.store.status import status
+from bayeshunt.files.locks import FolderLock, is_locked
 
 EXPORTS = ("hunts.parquet", "summary.json", "summary.md")
 
@@ -152,7 +152,7 @@ def test_other_settings_another_model_or_other_versions_are_refused(small, tmp_p
         )
     with pytest.raises(ResultsError, match="the model has fingerprint"):
         small(out=tmp_path, model=type(khepera_model)(khepera_model.joint, prior=1.0))
-    monkeypatch.setattr("bayeshunt.experiments.identity._version", lambda name: "9.9")
+    monkeypatch.setattr("bayeshunt.experiments.store.identity._version", lambda name: "9.9")
     with pytest.raises(ResultsError, match=r"version of bayeshunt is \S+ there and 9\.9 here"):
         small(out=tmp_path)
 

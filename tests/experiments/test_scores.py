@@ -3,9 +3,9 @@
 import pandas as pd
 import pytest
 
-from bayeshunt.errors import InputError
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.scores import as_evaluated, summarise, wilson_interval
-from bayeshunt.settings import load_experiment
 
 
 @pytest.mark.parametrize(

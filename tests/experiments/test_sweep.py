@@ -8,18 +8,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bayeshunt.errors import InputError
-from bayeshunt.experiments.memories import remember, training_seed
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import InputError
+from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.protocol import hunt_seed
-from bayeshunt.experiments.references import reference
-from bayeshunt.experiments.runner import evaluate
+from bayeshunt.experiments.run.runner import evaluate
 from bayeshunt.experiments.scores import summarise
-from bayeshunt.experiments.sweep import AXES, COLUMNS, at_point, combinations, sweep
-from bayeshunt.experiments.tradeoff import tradeoff
-from bayeshunt.hunting import run_hunt
-from bayeshunt.planners.limits import KinematicLimit
+from bayeshunt.experiments.studies.memories import remember, training_seed
+from bayeshunt.experiments.studies.references import reference
+from bayeshunt.experiments.studies.sweep import AXES, COLUMNS, at_point, combinations, sweep
+from bayeshunt.experiments.studies.tradeoff import tradeoff
+from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.registry import is_ab_initio
-from bayeshunt.settings import load_experiment
 
 SMALL = {"model.babbling_steps": 300, "protocol.thetas": [2.0, 3.0]}
 

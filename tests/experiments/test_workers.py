@@ -6,9 +6,9 @@ import time
 
 import pytest
 
-from bayeshunt.errors import BayesHuntError, InputError, WorkerError
-from bayeshunt.experiments import workers
-from bayeshunt.experiments.runner import evaluate
+from bayeshunt.core.errors import BayesHuntError, InputError, WorkerError
+from bayeshunt.experiments.run import workers
+from bayeshunt.experiments.run.runner import evaluate
 
 
 def die_once(folder, item):

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 from model_cases import babbled, repertoire
 
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
 
 
 @pytest.fixture(scope="session")

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pandas as pd
 
-from bayeshunt.axes import Axis, EffectAxes
-from bayeshunt.dataset import path_column_names
-from bayeshunt.gaits import Gait, GaitRepertoire
-from bayeshunt.geometry import wrap
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.core.bins import Axis, EffectAxes
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.core.geometry import wrap
+from bayeshunt.data.babbling_table import path_column_names
+from bayeshunt.models.body.forward import ForwardModel
 
 #: Left and right wheel speeds [m/s].
 WHEELS = {

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 import bayeshunt as bh
-from bayeshunt.axes import EFFECTS, EffectAxes
-from bayeshunt.models.previous import PreviousGaitModel
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.models.body.previous import PreviousGaitModel
 
 GAITS = ("a", "b", "c")
 AXES = EffectAxes.standard(0.05, distance_bin=1.0, angle_bins=5, heading_bins=4)

@@ -12,14 +12,14 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.axes import EFFECTS, EffectAxes
 from bayeshunt.cli import main
-from bayeshunt.models.assess import PRIOR
-from bayeshunt.models.assess_independence import g_statistic, permuted
-from bayeshunt.models.assess_rows import CodedRows
-from bayeshunt.models.assess_scores import accuracy, brier, confusion, log_loss
-from bayeshunt.models.imported import ImportedModel
-from bayeshunt.models.structures import JOINT, NAIVE, PREVIOUS_GAIT, Structure
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.models.assessment.assess import PRIOR
+from bayeshunt.models.assessment.independence import g_statistic, permuted
+from bayeshunt.models.assessment.rows import CodedRows
+from bayeshunt.models.assessment.scores import accuracy, brier, confusion, log_loss
+from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.tables.structures import JOINT, NAIVE, PREVIOUS_GAIT, Structure
 
 GAITS = ("go", "turn")
 AXES = EffectAxes.standard(0.05, distance_bin=1.0, angle_bins=4, heading_bins=4)

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_cases import babbled, frame_of, repertoire, small_axes
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.errors import DataError, InputError, ZeroCountError
-from bayeshunt.gaits import GaitRepertoire
-from bayeshunt.models import cells, tally
-from bayeshunt.models.counts import JointCounts
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.errors import DataError, InputError, ZeroCountError
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting import cells, tally
+from bayeshunt.models.counting.joint import JointCounts
 
 NAMES = ["a", "b", "c"]
 AXES = small_axes(1, 5, 6)

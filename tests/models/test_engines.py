@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 from model_cases import full_joint, random_model, repertoire
 
-from bayeshunt.errors import ImpossibleEvidenceError
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
-from bayeshunt.models.posterior import Posterior
+from bayeshunt.core.errors import ImpossibleEvidenceError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.body.posterior import Posterior
 
 gum = pytest.importorskip("pyagrum")
 

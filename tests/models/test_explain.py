@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from model_cases import frame_of, random_model, small_axes
 
 import bayeshunt as bh
-from bayeshunt.models.explain import PARTS
+from bayeshunt.models.body.explain import PARTS
 
 EFFECTS = ("Distance", "Angle", "Heading")
 

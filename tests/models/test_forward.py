@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_cases import babbled, frame_of, full_joint, random_model, repertoire, small_axes
 
-from bayeshunt import dataset
-from bayeshunt.errors import BayesHuntError, DataError, InputError, ZeroCountError
-from bayeshunt.models import network
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.core.errors import BayesHuntError, DataError, InputError, ZeroCountError
+from bayeshunt.data import babbling_table
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables import network
 
 EFFECTS = ("Distance", "Angle", "Heading")
 AXES = small_axes(1, 3, 2)
@@ -63,7 +63,7 @@ def test_pgmpy_learns_the_same_tables_from_the_raw_rows(frame: pd.DataFrame, mod
     from pgmpy.parameter_estimator import DiscreteMLE
 
     edges = [("Gait", effect) for effect in EFFECTS]
-    indices = dataset.discretise(frame, model.gaits, model.axes)
+    indices = babbling_table.discretise(frame, model.gaits, model.axes)
     states = network.state_names(model.gaits, model.axes)
     raw = pd.DataFrame({v: np.array(states[v])[indices[:, i]] for i, v in enumerate(network.VARIABLES)})
     fitted = DiscreteBayesianNetwork(edges).fit(raw, estimator=DiscreteMLE(state_names=states))
@@ -271,11 +271,11 @@ def test_credible_intervals_hold_the_probability(model: ForwardModel) -> None:
 
 def test_provenance_travels_and_is_kept_once(frame: pd.DataFrame) -> None:
     marked = frame.copy()
-    marked.attrs[dataset.PROVENANCE_KEY] = {"seed": 1}
+    marked.attrs[babbling_table.PROVENANCE_KEY] = {"seed": 1}
     model = ForwardModel.fit(marked, repertoire()).update(marked)
     assert model.provenance == {"sources": [{"seed": 1}]}
     other = frame.copy()
-    other.attrs[dataset.PROVENANCE_KEY] = {"seed": 2}
+    other.attrs[babbling_table.PROVENANCE_KEY] = {"seed": 2}
     assert model.update(other).provenance["sources"] == [{"seed": 1}, {"seed": 2}]
 
 
@@ -283,8 +283,8 @@ def test_using_a_model_never_imports_pgmpy(model: ForwardModel, tmp_path, worker
     path = tmp_path / "model.json"
     model.save(path)
     code = (
-        "import sys, numpy as np; from bayeshunt.models.forward import ForwardModel;"
-        "from bayeshunt.models.inverse import InverseModel;"
+        "import sys, numpy as np; from bayeshunt.models.body.forward import ForwardModel;"
+        "from bayeshunt.models.body.inverse import InverseModel;"
         f"m = ForwardModel.load({str(path)!r}); InverseModel(m).posterior(0.1, 0.2);"
         "m.sample('straight', 3, rng=np.random.default_rng(0)); "
         "sys.exit('pgmpy' in sys.modules)"

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.models import interchange, xmlbif
-from bayeshunt.models.imported import ImportedModel
+from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.formats import interchange, xmlbif
 
 gum = pytest.importorskip("pyagrum")
 

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from model_cases import babbled, frame_of, random_model, repertoire, small_axes
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.errors import ImpossibleEvidenceError, InputError, ZeroCountError
-from bayeshunt.geometry import Polar
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
 
 AXES = small_axes(1, 36, 8, width=0.1)
 FRONT, BESIDE = 18, 27  # angle bins of 0 and 90 degrees

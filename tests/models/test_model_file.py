@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from model_cases import babbled, random_model, repertoire
 
-from bayeshunt.errors import BayesHuntError, InputError, ModelFileError
-from bayeshunt.models import store
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.core.errors import BayesHuntError, InputError, ModelFileError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.formats import model_file
 
 
 @pytest.fixture
@@ -40,13 +40,13 @@ def test_round_trip_is_bit_exact(model: ForwardModel, path: Path) -> None:
     for variable in ("Gait", "Distance", "Angle", "Heading"):
         assert np.array_equal(loaded.probabilities(variable), model.probabilities(variable))
     assert np.array_equal(loaded.mean_paths, model.mean_paths)
-    assert store.dumps(loaded) == path.read_text()
+    assert model_file.dumps(loaded) == path.read_text()
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_round_trip_of_random_models(seed: int) -> None:
     model = random_model(seed)
-    assert store.loads(store.dumps(model)) == model
+    assert model_file.loads(model_file.dumps(model)) == model
 
 
 def test_empty_model_and_awkward_numbers_round_trip(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_loaded_model_updates_like_the_original(model: ForwardModel, path: Path)
 def test_same_rows_in_any_order_give_the_same_bytes(tmp_path: Path) -> None:
     frame = babbled(200, seed=2)
     texts = {
-        store.dumps(ForwardModel.fit(rows, repertoire(), prior=0.5))
+        model_file.dumps(ForwardModel.fit(rows, repertoire(), prior=0.5))
         for rows in (frame, frame.iloc[::-1], frame.sample(frac=1.0, random_state=1))
     }
     assert len(texts) == 1
@@ -140,7 +140,7 @@ EDITS: dict[str, Callable[[dict], object]] = {
 def test_resealed_but_malformed(path: Path, name: str) -> None:
     record = json.loads(path.read_text())
     EDITS[name](record["content"])
-    record["checksum"] = store._checksum(record["content"])
+    record["checksum"] = model_file._checksum(record["content"])
     path.write_text(json.dumps(record))
     assert "malformed content" in refused(path)
 
@@ -149,7 +149,7 @@ def test_failed_save_leaves_the_old_file(
     model: ForwardModel, path: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     before = path.read_bytes()
-    monkeypatch.setattr(store, "load", lambda _: ForwardModel.empty(model.gaits))
+    monkeypatch.setattr(model_file, "load", lambda _: ForwardModel.empty(model.gaits))
     with pytest.raises(BayesHuntError, match="did not come back"):
         model.save(path)
     assert path.read_bytes() == before

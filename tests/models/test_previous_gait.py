@@ -11,15 +11,15 @@ import pytest
 from previous_cases import AXES, GAITS, enumerate_joint, fit, momentum
 
 import bayeshunt as bh
-from bayeshunt import dataset
-from bayeshunt.axes import EFFECTS
-from bayeshunt.experiments.babbling import babble_to_file
-from bayeshunt.models.counts import JointCounts
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.previous_counts import PreviousCounts, previous_codes
-from bayeshunt.models.store import dumps
-from bayeshunt.models.streaming import count_tables, open_tables
-from bayeshunt.models.structures import PREVIOUS_GAIT
+from bayeshunt.core.bins import EFFECTS
+from bayeshunt.data import babbling_table
+from bayeshunt.experiments.studies.babbling import babble_to_file
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts, previous_codes
+from bayeshunt.models.counting.streaming import count_tables, open_tables
+from bayeshunt.models.formats.model_file import dumps
+from bayeshunt.models.tables.structures import PREVIOUS_GAIT
 
 FRAME = momentum(300, 0)
 #: Random networks: rows, prior, P(Gait).
@@ -41,7 +41,7 @@ def test_tables_are_what_pgmpy_fits_to_the_rows(prior: float) -> None:
 
     model = fit(FRAME, prior, "empirical")
     rows = FRAME[FRAME["previous_gait"].notna()]
-    codes = dataset.discretise(rows, model.gaits, model.axes)
+    codes = babbling_table.discretise(rows, model.gaits, model.axes)
     columns = {"PreviousGait": rows["previous_gait"].to_list()}
     for i, name in enumerate(("Gait", *EFFECTS)):
         columns[name] = [model.states[name][code] for code in codes[:, i]]
@@ -109,7 +109,7 @@ def test_shards_and_their_borders(tmp_path: Path) -> None:
 def test_streamed_counts_fit_the_same_model(tmp_path: Path) -> None:
     halves = [FRAME[:170], FRAME[170:]]
     for i, half in enumerate(halves):
-        dataset.save(half, tmp_path / f"{i}.parquet", {})
+        babbling_table.save(half, tmp_path / f"{i}.parquet", {})
     gaits = bh.GaitRepertoire.of(GAITS)
     tables = open_tables([tmp_path / "1.parquet", tmp_path / "0.parquet"])
     counts, _ = count_tables(tables, gaits, axes=AXES, structure="previous_gait")
@@ -215,7 +215,7 @@ def test_rows_behind_every_cell() -> None:
 
 
 def test_intervals_are_those_of_the_rows_after_that_gait() -> None:
-    from bayeshunt import tables
+    from bayeshunt.core import statistics as tables
 
     model = fit(FRAME, 0.5)
     shown = model.after("b").table("Heading")
@@ -246,7 +246,9 @@ def test_log_likelihood_is_the_sum_over_the_rows() -> None:
     frame = momentum(120, 4, starts=3)
     model = fit(frame, 0.2)
     whole, known = enumerate_joint(model), frame[frame["previous_gait"].notna()]
-    codes = np.column_stack([previous_codes(known, model.gaits), dataset.discretise(known, model.gaits, model.axes)])
+    codes = np.column_stack(
+        [previous_codes(known, model.gaits), babbling_table.discretise(known, model.gaits, model.axes)]
+    )
     expected = np.log(whole[tuple(codes.T)] * len(GAITS)).sum()  # P(row | PreviousGait): all gaits before alike
     assert model.log_likelihood(frame) == pytest.approx(expected, rel=1e-12)
     assert model.log_likelihood(model.by_previous) == pytest.approx(expected, rel=1e-12)

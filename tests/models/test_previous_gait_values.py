@@ -11,14 +11,14 @@ import pytest
 from previous_cases import AXES, GAITS, ORDER, enumerate_joint, fit, momentum
 
 import bayeshunt as bh
-from bayeshunt import dataset
-from bayeshunt.axes import EFFECTS
-from bayeshunt.models import interchange, xmlbif
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.previous_counts import previous_codes
-from bayeshunt.models.store import _checksum, dumps, loads
-from bayeshunt.models.streaming import count_tables, open_tables
-from bayeshunt.models.structures import PREVIOUS_GAIT
+from bayeshunt.core.bins import EFFECTS
+from bayeshunt.data import babbling_table
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.previous import previous_codes
+from bayeshunt.models.counting.streaming import count_tables, open_tables
+from bayeshunt.models.formats import interchange, xmlbif
+from bayeshunt.models.formats.model_file import _checksum, dumps, loads
+from bayeshunt.models.tables.structures import PREVIOUS_GAIT
 
 FRAME = momentum(300, 0)
 
@@ -191,7 +191,7 @@ def test_a_model_given_is_scored_given_the_gait_before() -> None:
     found = bh.assess(FRAME, GAITS, model=model, structures=["previous_gait"], permutations=9, seed=0)
     whole = enumerate_joint(model)
     parts = []
-    codes = dataset.discretise(FRAME, model.gaits, model.axes)
+    codes = babbling_table.discretise(FRAME, model.gaits, model.axes)
     for before, (gait, *bins) in zip(previous_codes(FRAME, model.gaits), codes, strict=True):
         joint = whole.sum(axis=0) if before < 0 else whole[before] / whole[before].sum()
         parts.append(joint[(gait, *bins)] / joint[gait].sum())
@@ -218,7 +218,7 @@ def test_an_unknown_gait_before_is_named_with_its_file_and_row(tmp_path: Path) -
     frame.loc[17, "previous_gait"] = "gallop"
     with pytest.raises(bh.DataError, match=r"row 17: previous_gait 'gallop' is not in the repertoire"):
         fit(frame)
-    dataset.save(frame, tmp_path / "t.parquet", {})
+    babbling_table.save(frame, tmp_path / "t.parquet", {})
     with pytest.raises(bh.DataError, match=r"t\.parquet: row 17: previous_gait 'gallop'"):
         count_tables(open_tables([tmp_path / "t.parquet"]), bh.GaitRepertoire.of(GAITS), structure="previous_gait")
 

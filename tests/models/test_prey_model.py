@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.errors import InputError, NothingObservedError
-from bayeshunt.geometry import Polar, wrap
-from bayeshunt.models.prey import PreyModel
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.errors import InputError, NothingObservedError
+from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.models.target.prey import PreyModel
 
 transitions = st.lists(
     st.builds(Polar, st.floats(0.0, 0.5), st.floats(-3.2, 3.2), st.floats(-3.2, 3.2)), min_size=1, max_size=20

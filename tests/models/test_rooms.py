@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bayeshunt.errors import DataError, ModelFileError
-from bayeshunt.gaits import Gait, GaitRepertoire
-from bayeshunt.geometry import Pose
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.rooms import RoomModel, _held_up, _hull, _merge
+from bayeshunt.core.errors import DataError, ModelFileError
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.core.geometry import Pose
+from bayeshunt.models.arena.rooms import RoomModel, _held_up, _hull, _merge
+from bayeshunt.models.body.forward import ForwardModel
 
 #: Walls ahead, to the left and to the right; nothing behind.
 THREE_SIDES = [(1, 0, 0.3), (0, 1, 0.25), (0, -1, 0.35)]

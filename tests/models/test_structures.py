@@ -14,12 +14,12 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
-from bayeshunt import dataset
-from bayeshunt.axes import EFFECTS, EffectAxes
-from bayeshunt.models import network
-from bayeshunt.models.cells import CountedCells, conditional, mutual_information
-from bayeshunt.models.store import dumps, loads
-from bayeshunt.models.structures import JOINT, NAIVE, bic, find_structure, search_structure, tree_augmented
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.data import babbling_table
+from bayeshunt.models.counting.cells import CountedCells, conditional, mutual_information
+from bayeshunt.models.formats.model_file import dumps, loads
+from bayeshunt.models.tables import network
+from bayeshunt.models.tables.structures import JOINT, NAIVE, bic, find_structure, search_structure, tree_augmented
 
 GAITS = ("a", "b", "c")
 AXES = EffectAxes.standard(0.05, distance_bin=1.0, angle_bins=4, heading_bins=3)
@@ -87,7 +87,7 @@ def test_tree_is_pgmpys_tree(seed: int) -> None:
 
     frame = make_frame(300, seed)
     model = bh.ForwardModel.fit(frame, GAITS, axes=AXES)
-    codes = dataset.discretise(frame, model.gaits, model.axes)
+    codes = babbling_table.discretise(frame, model.gaits, model.axes)
     rows = pd.DataFrame(codes, columns=list(network.VARIABLES))
     theirs = TreeSearch(rows, root_node="Distance", n_jobs=1).estimate(
         estimator_type="tan", class_node="Gait", show_progress=False
@@ -102,7 +102,7 @@ def test_search_uses_pgmpys_bic(seed: int) -> None:
     frame = make_frame(300, seed)
     model = bh.ForwardModel.fit(frame, GAITS, axes=AXES)
     states = network.state_names(model.gaits, model.axes)
-    codes = dataset.discretise(frame, model.gaits, model.axes)
+    codes = babbling_table.discretise(frame, model.gaits, model.axes)
     names = list(network.VARIABLES)
     rows = pd.DataFrame({v: np.array(states[v])[codes[:, i]] for i, v in enumerate(names)})
     score = BIC(rows, state_names=states)
@@ -142,8 +142,8 @@ def all_structures() -> list[bh.Structure]:
 def test_search_does_not_depend_on_the_hash_seed() -> None:
     code = (
         "import numpy as np\n"
-        "from bayeshunt.models.cells import CountedCells\n"
-        "from bayeshunt.models.structures import find_structure\n"
+        "from bayeshunt.models.counting.cells import CountedCells\n"
+        "from bayeshunt.models.tables.structures import find_structure\n"
         "rng = np.random.default_rng(0); x = rng.integers(0, 3, 500)\n"
         "rows = np.column_stack([rng.integers(0, 2, 500), x, x, x])\n"
         "table = CountedCells.of_rows(('Gait', 'Distance', 'Angle', 'Heading'), (2, 3, 3, 3), rows)\n"
@@ -255,7 +255,7 @@ class _Given(np.random.Generator):
 def test_log_likelihood_is_the_sum_of_log_joint(structure: str | bh.Structure) -> None:
     model = fit(structure)
     joint = enumerate_joint(model)
-    cells = dataset.discretise(FRAME, model.gaits, model.axes)
+    cells = babbling_table.discretise(FRAME, model.gaits, model.axes)
     assert model.log_likelihood(FRAME) == pytest.approx(np.log(joint[tuple(cells.T)]).sum(), rel=1e-12)
 
 
@@ -299,7 +299,7 @@ def test_files_from_before_structures_still_load() -> None:
     record = json.loads(dumps(model))
     del record["content"]["structure"]
     record["format"] = 1
-    from bayeshunt.models.store import _checksum
+    from bayeshunt.models.formats.model_file import _checksum
 
     record["checksum"] = _checksum(record["content"])
     assert loads(json.dumps(record)) == model

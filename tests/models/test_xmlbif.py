@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bayeshunt.models import xmlbif
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.formats import xmlbif
 
 gum = pytest.importorskip("pyagrum")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from planner_cases import WHEELS, fit
 
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.models.body.forward import ForwardModel
 
 
 @pytest.fixture(scope="session")

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pandas as pd
 
-from bayeshunt.gaits import Gait, GaitRepertoire
-from bayeshunt.geometry import Polar
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Situation
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
 
 BODY, STEP, AXLE = 0.057, 3.328, 0.052  # m, s, m
 WHEELS = {  # left, right [m/s]

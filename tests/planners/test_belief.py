@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP, situations
 
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.belief import belief
-from bayeshunt.planners.lookahead import gait_paths, look_ahead
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.interception.belief import belief
+from bayeshunt.planners.interception.lookahead import gait_paths, look_ahead
 
 
 def situation(distance, angle, heading):

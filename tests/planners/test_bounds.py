@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP, situations
 
-from bayeshunt.errors import InputError, ModelFileError
-from bayeshunt.geometry import Polar
-from bayeshunt.planners import reference
-from bayeshunt.planners.base import Future
-from bayeshunt.planners.check import check_planner
-from bayeshunt.planners.limits import KinematicLimit
-from bayeshunt.planners.omniscient import Omniscient
-from bayeshunt.planners.reference import Reference, ReferenceTable
-from bayeshunt.planners.relative import Chase, Grid, expected_times, solve
+from bayeshunt.core.errors import InputError, ModelFileError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.planners.api import Future
+from bayeshunt.planners.bounds import reference
+from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
+from bayeshunt.planners.bounds.omniscient import Omniscient
+from bayeshunt.planners.bounds.reference import Reference, ReferenceTable
+from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times, solve
+from bayeshunt.planners.conformance import check_planner
 
 
 def straight_future(prey: Polar, speed: float, duration: float = 60.0) -> Future:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP
 
-from bayeshunt.geometry import Polar
-from bayeshunt.planners.capture import CapturePaths, PreyPaths
-from bayeshunt.planners.lookahead import gait_paths
+from bayeshunt.core.geometry import Polar
+from bayeshunt.planners.interception.lookahead import gait_paths
+from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
 
 
 def straight_prey(paths: CapturePaths, ahead: float, right: float, v_ahead: float, v_right: float) -> PreyPaths:

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from bayeshunt.errors import InputError
-from bayeshunt.models.rooms import RoomModel
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.planners import registry
 from bayeshunt.planners.catalogue import describe_planner
 from bayeshunt.planners.registry import make_planner, planner_names

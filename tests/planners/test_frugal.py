@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from planner_cases import situations
 
-from bayeshunt.errors import InputError
-from bayeshunt.planners.frugal import CostWeights, Frugal
-from bayeshunt.planners.steering import Steering
+from bayeshunt.core.errors import InputError
+from bayeshunt.planners.guidance.steering import Steering
+from bayeshunt.planners.sequences.frugal import CostWeights, Frugal
 
 
 def plan(planner: Frugal, case):

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bayeshunt.geometry import Polar, Pose, wrap
-from bayeshunt.models.turns import TurnModel
-from bayeshunt.planners.bouncing import Walls, room_futures
-from bayeshunt.planners.futures import Futures, mix, turning_futures
-from bayeshunt.planners.homing import Homing
-from bayeshunt.planners.lookahead import PairPaths, decide, look_ahead
+from bayeshunt.core.geometry import Polar, Pose, wrap
+from bayeshunt.models.target.turns import TurnModel
+from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.lookahead import PairPaths, decide, look_ahead
 
 STEP, SPEED = 3.328, 0.05
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))

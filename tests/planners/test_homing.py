@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bayeshunt.geometry import wrap
-from bayeshunt.planners.futures import Futures
-from bayeshunt.planners.homing import Homing
+from bayeshunt.core.geometry import wrap
+from bayeshunt.planners.interception.futures import Futures
+from bayeshunt.planners.interception.homing import Homing
 
 TOP, REACH, PRICE = 0.06, 0.058, 2.5
 

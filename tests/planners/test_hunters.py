@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bayeshunt.experiments.explorations import learn_rooms, prepare_planner
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.episodes.loop import run_hunt
+from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import hunt_seed, learn_model
-from bayeshunt.experiments.references import reference
 from bayeshunt.experiments.scores import wilson_interval
-from bayeshunt.hunting import run_hunt
-from bayeshunt.settings import load_experiment
+from bayeshunt.experiments.studies.references import reference
 
 SEED, RUNS = 500, 20  # 140 hunts a cell
 

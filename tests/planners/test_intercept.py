@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP, situations
 
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar
-from bayeshunt.models.imported import ImportedModel
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.models.turns import OwnMotion, TurnModel
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.futures import Futures, mix, turning_futures
-from bayeshunt.planners.homing import Homing
-from bayeshunt.planners.intercept import intercept
-from bayeshunt.planners.lookahead import PairPaths, decide, gait_paths, look_ahead
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.models.target.turns import OwnMotion, TurnModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.intercept import intercept
+from bayeshunt.planners.interception.lookahead import PairPaths, decide, gait_paths, look_ahead
 
 RNG = np.random.default_rng(0)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from planner_cases import BODY, babble, situations
 
-from bayeshunt.dataset import discretise
-from bayeshunt.geometry import Polar
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.predictive import steps_ahead
+from bayeshunt.core.geometry import Polar
+from bayeshunt.data.babbling_table import discretise
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.paper.prediction import steps_ahead
 from bayeshunt.planners.registry import make_planner
 
 

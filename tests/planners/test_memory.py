@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP, situations
 
-from bayeshunt.axes import EffectAxes
-from bayeshunt.errors import InputError, ModelFileError
-from bayeshunt.geometry import Polar, Pose
-from bayeshunt.models.memory import KINDS, PreyMemory, TransitionTables
-from bayeshunt.planners.check import check_planner
-from bayeshunt.planners.memory import Memory, OrderMemory, PlaceMemory
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.errors import InputError, ModelFileError
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.models.target.memory import KINDS, PreyMemory, TransitionTables
+from bayeshunt.planners.conformance import check_planner
+from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
 
 STRAIGHT, LEFT = Polar(0.16, 0.0, 0.0), Polar(0.12, -0.8, -1.6)
 ELSEWHERE = Polar(0.3, 0.5, 0.2)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from planner_cases import BODY, seen_prey, situations
 
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.best_first import PlanningPlanner, PlanningSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.paper.planning import PlanningPlanner, PlanningSettings
 from bayeshunt.planners.registry import make_planner
-from bayeshunt.planners.rollouts import CompiledRollouts, LazyRollouts
+from bayeshunt.planners.search.rollouts import CompiledRollouts, LazyRollouts
 
 EVERYTHING = {"expansions": None, "stop_distance": 0.0, "blocks": 1}
 

@@ -11,10 +11,10 @@ import pytest
 from planner_cases import BODY, STEP, WHEELS, arcs, seen_prey, situations
 
 import bayeshunt as bh
-from bayeshunt.geometry import Polar
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
-from bayeshunt.planners.rollouts import CompiledRollouts, GaitTree, LazyRollouts, Outcomes
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.planners.search.rollouts import CompiledRollouts, GaitTree, LazyRollouts, Outcomes
 
 NAMES = ("straight", "spin right", "spin left")
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP
 
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
-from bayeshunt.planners.steering import intercept_time, prey_track
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
+from bayeshunt.planners.guidance.steering import intercept_time, prey_track
 
 
 def situation(prey: Polar, transitions: tuple[Polar, ...] = ()) -> Situation:

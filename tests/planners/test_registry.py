@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from planner_cases import situations
 
-from bayeshunt.errors import BayesHuntError, InputError
-from bayeshunt.geometry import Polar
-from bayeshunt.models.prey import PreyModel
+from bayeshunt.core.errors import BayesHuntError, InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners import registry
-from bayeshunt.planners.base import Plan, Planner, Situation
-from bayeshunt.planners.check import check_planner, same_plan
+from bayeshunt.planners.api import Plan, Planner, Situation
+from bayeshunt.planners.conformance import check_planner, same_plan
 from bayeshunt.planners.registry import make_planner, planner_names, register_planner
 
 

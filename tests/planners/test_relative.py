@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from bayeshunt.geometry import Polar, wrap
-from bayeshunt.planners.relative import Chase, Grid, expected_times, solve
+from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times, solve
 
 DURATION, REACH = 2.0, 0.06
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from planner_cases import situations
 
-from bayeshunt.errors import BayesHuntError
-from bayeshunt.geometry import Polar
-from bayeshunt.planners.rollouts import (
+from bayeshunt.core.errors import BayesHuntError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.planners.search.rollouts import (
     CompiledRollouts,
     GaitTree,
     HunterSamples,

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from bayeshunt.errors import InputError
-from bayeshunt.planners.search import Search
+from bayeshunt.core.errors import InputError
+from bayeshunt.planners.search.search import Search
 
 
 class Tree:

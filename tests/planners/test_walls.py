@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP
 
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar, Pose
-from bayeshunt.models.prey import PreyModel
-from bayeshunt.models.rooms import RoomModel
-from bayeshunt.planners.base import Situation
-from bayeshunt.planners.bouncing import Walls, room_futures
-from bayeshunt.planners.check import check_planner
-from bayeshunt.planners.intercept import intercept
-from bayeshunt.planners.intercept_room import intercept_room
-from bayeshunt.planners.intercept_walls import InterceptWallsPlanner, intercept_walls
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.models.arena.rooms import RoomModel
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.conformance import check_planner
+from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.intercept import intercept
+from bayeshunt.planners.interception.intercept_room import intercept_room
+from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, intercept_walls
 from bayeshunt.planners.registry import make_planner, planner_names
 
 SQUARE = Walls(((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)), (0.5,) * 4, 0.4)

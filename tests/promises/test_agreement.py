@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from model_cases import full_joint, random_model
 
-from bayeshunt.errors import ImpossibleEvidenceError
-from bayeshunt.models.inverse import InverseModel
+from bayeshunt.core.errors import ImpossibleEvidenceError
+from bayeshunt.models.body.inverse import InverseModel
 
 pytestmark = pytest.mark.slow
 

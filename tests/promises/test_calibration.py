@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from model_cases import frame_of, small_axes
 
-from bayeshunt import tables
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.core import statistics
+from bayeshunt.models.body.forward import ForwardModel
 
 pytestmark = pytest.mark.slow
 
@@ -37,7 +37,7 @@ def test_dirichlet_intervals(figure):
             counts = rng.multinomial(int(rng.integers(1, 200)), truth)[:, None]
             cell = int(rng.integers(bins))
             # In how many of the nested intervals does the truth not lie?
-            intervals = (tables.credible_interval(counts, prior, level=level) for level in levels)
+            intervals = (statistics.credible_interval(counts, prior, level=level) for level in levels)
             inside = [low[cell, 0] <= truth[cell] <= high[cell, 0] for low, high in intervals]
             assert inside == sorted(inside), "intervals must be nested"
             places.append((GROUPS - 1 - sum(inside)) / GROUPS)

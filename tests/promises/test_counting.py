@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from model_cases import babbled, repertoire
 
-from bayeshunt.geometry import Polar
-from bayeshunt.models.counts import JointCounts
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.prey import PreyModel
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.target.prey import PreyModel
 
 pytestmark = pytest.mark.slow
 

@@ -15,17 +15,17 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from bayeshunt import dataset
-from bayeshunt.episode import Episode
-from bayeshunt.errors import BayesHuntError
-from bayeshunt.experiments.database import DATABASE_FILE, HuntDatabase
-from bayeshunt.experiments.identity import Identity
-from bayeshunt.experiments.runner import evaluate
-from bayeshunt.experiments.store import HUNTS_FILE, load_results
-from bayeshunt.hunting import hunt
-from bayeshunt.models.forward import ForwardModel
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.core.errors import BayesHuntError
+from bayeshunt.data import babbling_table
+from bayeshunt.episodes.episode import Episode
+from bayeshunt.episodes.loop import hunt
+from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.experiments.store.database import DATABASE_FILE, HuntDatabase
+from bayeshunt.experiments.store.export import HUNTS_FILE, load_results
+from bayeshunt.experiments.store.identity import Identity
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.registry import make_planner
-from bayeshunt.settings import load_experiment
 
 pytestmark = pytest.mark.slow
 
@@ -126,9 +126,11 @@ def test_models(model_file, tmp_path, khepera_model, figure):
 
 def test_data_sets(tmp_path, khepera_frame, figure):
     path = tmp_path / "b.parquet"
-    dataset.save(khepera_frame, path)
-    whole = dataset.load(path)
-    refused, equal = outcomes(path, dataset.load, lambda frame: frame.equals(whole) and frame.attrs == whole.attrs)
+    babbling_table.save(khepera_frame, path)
+    whole = babbling_table.load(path)
+    refused, equal = outcomes(
+        path, babbling_table.load, lambda frame: frame.equals(whole) and frame.attrs == whole.attrs
+    )
     assert refused > 0.9 * CASES
     figure(f"d. {CASES} corrupted data sets: {refused} refused in one line, {equal} without a difference")
 

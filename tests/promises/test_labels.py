@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from model_cases import WHEELS, babbled
 
-from bayeshunt import dataset
-from bayeshunt.gaits import Gait, GaitRepertoire
-from bayeshunt.models.forward import ForwardModel
-from bayeshunt.models.inverse import InverseModel
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.data import babbling_table
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
 
 pytestmark = pytest.mark.slow
 
@@ -28,9 +28,9 @@ def fitted(names, tmp_path):
     """A model of five gaits with these names, by way of a file."""
     frame = babbled(400, 3)
     frame["gait"] = frame["gait"].map(dict(zip(WHEELS, names, strict=True)))
-    dataset.save(frame, tmp_path / "b.parquet")
+    babbling_table.save(frame, tmp_path / "b.parquet")
     gaits = GaitRepertoire(tuple(Gait(n, w) for n, w in zip(names, WHEELS.values(), strict=True)))
-    return ForwardModel.fit(dataset.load(tmp_path / "b.parquet"), gaits, prior=0.3)
+    return ForwardModel.fit(babbling_table.load(tmp_path / "b.parquet"), gaits, prior=0.3)
 
 
 def in_pgmpy(path, evidence):

@@ -95,8 +95,8 @@ def test_a_killed_dask_worker_changes_nothing(tmp_path, model_file, cluster, fig
 
 def far_begun(folder):
     """Whether some hunts have arrived."""
-    from bayeshunt.errors import BayesHuntError
-    from bayeshunt.experiments.status import status
+    from bayeshunt.core.errors import BayesHuntError
+    from bayeshunt.experiments.store.status import status
 
     try:
         return status(folder).ended > 0

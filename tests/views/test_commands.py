@@ -4,8 +4,8 @@ import shlex
 
 import numpy as np
 
-from bayeshunt.settings import load_experiment
-from bayeshunt.views.commands import hunt_command
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.views.pages.commands import hunt_command
 
 
 def test_a_bearing_from_a_table_is_a_plain_number():

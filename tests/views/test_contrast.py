@@ -8,7 +8,7 @@ import re
 import pytest
 
 from bayeshunt.views import theme
-from bayeshunt.views.pages import asset
+from bayeshunt.views.pages.page import asset
 
 LEAST = 4.5
 

@@ -10,17 +10,12 @@ import pytest
 from html_checks import NASTY, Reader
 
 import bayeshunt as bh
-from bayeshunt import displays
-from bayeshunt.views import (
-    display_html,
-    display_models,
-    display_tables,
-    display_text,
-    grounds,
-    svg_map,
-    svg_network,
-    theme,
-)
+from bayeshunt.core import displays
+from bayeshunt.views import grounds, theme
+from bayeshunt.views.drawings import maps, network
+from bayeshunt.views.notebook import html as display_html
+from bayeshunt.views.notebook import models, tables
+from bayeshunt.views.terminal import texts
 
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
@@ -86,7 +81,7 @@ def test_nothing_draws_without_a_drawer(shown) -> None:
         assert shown.model._repr_html_() is None
         assert str(shown.plan) == repr(shown.plan)
     finally:
-        displays.arrange("bayeshunt.views.display")
+        displays.arrange("bayeshunt.views.notebook.display")
     assert shown.model._repr_html_()
 
 
@@ -185,8 +180,8 @@ def test_long_tables_show_the_likeliest_bins(khepera_frame, khepera_model) -> No
     axes = bh.EffectAxes.standard(0.057, angle_bins=720)
     table = bh.ForwardModel.fit(khepera_frame, khepera_model.gaits, axes=axes).table("Angle")
     page = check(table._repr_html_())
-    assert len(page.find("tr")) == display_tables.MOST_ROWS + 1
-    assert f"{720 - display_tables.MOST_ROWS} bins are not shown" in page.text
+    assert len(page.find("tr")) == tables.MOST_ROWS + 1
+    assert f"{720 - tables.MOST_ROWS} bins are not shown" in page.text
     kept = [e["text"] for e in page.find("th") if e["attributes"]["scope"] == "row"]
     seen = table.count.index[table.count.to_numpy().any(axis=1)]
     assert set(seen) <= set(kept)
@@ -204,7 +199,7 @@ def test_headers_stick_and_tables_scroll() -> None:
 
 
 def test_network_shows_the_marginals(shown) -> None:
-    page = check(svg_network.network(shown.model))
+    page = check(network.network(shown.model))
     prior = shown.model.probabilities("Gait")
     titles = [e["text"] for e in page.find("title")]
     for name, share in zip(shown.model.gaits.names, prior, strict=True):
@@ -220,7 +215,7 @@ def test_posterior_of_the_heading_is_that_of_the_engine(shown) -> None:
 
     for model in (shown.model, shown.joint):
         answer = bh.InverseModel(model).posterior(0.15, 0.4)
-        ours = svg_network.posteriors(answer)["Heading"]
+        ours = network.posteriors(answer)["Heading"]
         engine = VariableElimination(model.network).query(["Heading"], evidence=answer.evidence, show_progress=False)
         theirs = [engine.get_value(Heading=label) for label in model.axes.heading.labels]
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12)
@@ -228,7 +223,7 @@ def test_posterior_of_the_heading_is_that_of_the_engine(shown) -> None:
 
 def test_edges_among_effects_are_drawn(shown) -> None:
     def arrows(model) -> int:
-        return len(check(svg_network.network(model)).find("polygon"))
+        return len(check(network.network(model)).find("polygon"))
 
     for model in (shown.model, shown.tree, shown.joint):
         assert arrows(model) == len(model.structure.edges)
@@ -310,7 +305,7 @@ def test_a_bar_is_as_long_as_its_probability(shown) -> None:
 
 
 def test_what_is_printed_as_zero_has_no_bar() -> None:
-    page = Reader(display_models.bars({"much": 0.99996, "little": 0.00004}))
+    page = Reader(models.bars({"much": 0.99996, "little": 0.00004}))
     assert "0.0000" in page.text
     assert len(page.find("span", "bh-bar")) == 1
 
@@ -432,9 +427,9 @@ def test_numbers_are_short(value: float | None, text: str) -> None:
 
 
 def test_sparks_show_whatever_is_not_zero() -> None:
-    assert display_text.spark(np.array([0.0, 1e-9, 0.5, 1.0]), 4) == " ▁▄█"
-    assert display_text.spark(np.zeros(5), 3) == "   "
-    assert len(display_text.spark(np.ones(100), 12)) == 12
+    assert texts.spark(np.array([0.0, 1e-9, 0.5, 1.0]), 4) == " ▁▄█"
+    assert texts.spark(np.zeros(5), 3) == "   "
+    assert len(texts.spark(np.ones(100), 12)) == 12
 
 
 def test_themes_follow_the_system_and_the_notebook() -> None:
@@ -450,7 +445,7 @@ def test_themes_follow_the_system_and_the_notebook() -> None:
 def test_a_pose_without_a_heading_has_no_nose(khepera_model, name, robots) -> None:
     """Where only places are predicted discs are drawn, and a point aimed at is not drawn as the prey."""
     plan = bh.hunt("paper", bh.make_planner(name, khepera_model), arena="open", theta=2.0, seed=1).plans[1]
-    drawing = str(svg_map.plan_map(plan))
+    drawing = str(maps.plan_map(plan))
     assert "nan" not in drawing
     if robots is None:  # the prey now, which is seen, and its places ahead
         discs = re.findall(r"<circle[^>]*><title>prey, (\d+) ahead", drawing)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 
@@ -32,7 +32,7 @@ def test_moving_the_target_asks_the_inverse_model(explorer, khepera_model, dista
 
 
 def test_predicted_outcomes_are_the_mixture_of_the_gaits_tables(explorer, khepera_model):
-    from bayeshunt.views.explorer_widget import outcome_table
+    from bayeshunt.views.notebook.explorer_widget import outcome_table
 
     answer = bh.InverseModel(khepera_model).posterior(0.05, 1.0)
     table = outcome_table(explorer.inverse, answer)

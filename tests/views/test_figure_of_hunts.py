@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.errors import InputError
-from bayeshunt.views.figures_hunts import hunts
+from bayeshunt.core.errors import InputError
+from bayeshunt.views.figures.hunts import hunts
 
 
 @pytest.fixture(scope="module")

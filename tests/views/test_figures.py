@@ -16,7 +16,8 @@ from matplotlib.text import Text
 from PIL import Image
 
 import bayeshunt as bh
-from bayeshunt.views import figures, figures_plans, theme
+from bayeshunt.views import figures, theme
+from bayeshunt.views.figures import plans
 
 SETTINGS = bh.load_experiment("paper")
 
@@ -167,7 +168,7 @@ def test_the_planning_figure_shows_the_chosen_path(shown) -> None:
     chosen = shown.plan.trace[shown.plan.trace["chosen"]].sort_values("T")
     path = axes.lines[0].get_xydata() / 1000
     np.testing.assert_allclose(path, chosen[["hunter_right", "hunter_forward"]].to_numpy())
-    assert figures_plans._body_length(shown.plan.trace) == pytest.approx(0.057)
+    assert plans._body_length(shown.plan.trace) == pytest.approx(0.057)
 
 
 def test_plans_without_a_search_are_refused(shown) -> None:

@@ -5,7 +5,7 @@ import base64
 import pytest
 from matplotlib.figure import Figure
 
-from bayeshunt.errors import InputError
+from bayeshunt.core.errors import InputError
 from bayeshunt.views import figures
 
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.errors import InputError
-from bayeshunt.geometry import Polar, Pose
-from bayeshunt.views.pages import embed
-from bayeshunt.views.replay import replay_data, replay_html, write_replay
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.views.pages.page import embed
+from bayeshunt.views.pages.replay import replay_data, replay_html, write_replay
 
 PAPER = bh.load_experiment("paper")
 NASTY = '</script><img src=x onerror="alert(1)">&amp;<!--'

@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.errors import DataError
-from bayeshunt.views.report import report_facts, report_html, write_report
-from bayeshunt.views.report_gallery import choose
+from bayeshunt.core.errors import DataError
+from bayeshunt.views.pages.report import report_facts, report_html, write_report
+from bayeshunt.views.pages.report_gallery import choose
 
 SETTINGS = bh.load_experiment("paper", {"protocol.runs": 2})
 PLANNERS = ("reactive", "prediction", "planning")

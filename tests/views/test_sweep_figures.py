@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from bayeshunt.errors import InputError
-from bayeshunt.views.figures_style import save
-from bayeshunt.views.figures_sweep import sweep_figure
-from bayeshunt.views.figures_tradeoff import tradeoff_figure
+from bayeshunt.core.errors import InputError
+from bayeshunt.views.figures.style import save
+from bayeshunt.views.figures.sweep import sweep_figure
+from bayeshunt.views.figures.tradeoff import tradeoff_figure
 
 
 def a_sweep(values, planners=("planning", "kinematic_limit"), arenas=("open",), **others) -> pd.DataFrame:

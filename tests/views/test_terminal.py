@@ -9,8 +9,8 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.experiments.scores import wilson_interval
-from bayeshunt.experiments.store import summary
-from bayeshunt.views import terminal
+from bayeshunt.experiments.store.export import summary
+from bayeshunt.views.terminal import terminal
 
 WIDTHS = (20, 40, 60, 80, 200)
 each_width = pytest.mark.parametrize("width", WIDTHS)

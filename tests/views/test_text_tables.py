@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 from rich.text import Text
 
-from bayeshunt.views.text_tables import TextTable, folding, number, word
+from bayeshunt.views.terminal.text_tables import TextTable, folding, number, word
 
 NUMBERS = ("0.123456789", "-1,234,567", "99.4 to 100.0")
 
@@ -77,10 +77,10 @@ def test_a_row_has_a_cell_for_each_column(table):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, khepera_frame, khepera_model):
     """A folder with what the commands read."""
-    from bayeshunt import dataset
+    from bayeshunt.data import babbling_table
 
     made = tmp_path_factory.mktemp("tables")
-    dataset.save(khepera_frame, made / "b.parquet")
+    babbling_table.save(khepera_frame, made / "b.parquet")
     khepera_model.save(made / "m.json")
     return made
 
@@ -125,7 +125,7 @@ def test_the_list_holds_every_command_that_prints_a_table():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_number_is_cut_at_80_and_at_60_columns(bayeshunt, monkeypatch, name):
     """Every number and name of the same table in a very wide terminal stands in the narrow one, as often."""
-    from bayeshunt.views import terminal
+    from bayeshunt.views.terminal import terminal
 
     def numbers(width):
         monkeypatch.setattr(terminal.out, "width", width)

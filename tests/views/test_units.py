@@ -6,7 +6,8 @@ import re
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.views import terminal, units
+from bayeshunt.views import units
+from bayeshunt.views.terminal import terminal
 
 
 @pytest.fixture(scope="module", params=["planning", "pure_pursuit", "reactive"])

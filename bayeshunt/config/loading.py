@@ -1,0 +1,294 @@
+"""Finding and reading settings files: presets by name, your own TOML by path."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import difflib
+import os
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.core.errors import ConfigError, InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Kind = TypeVar("Kind", bound=BaseModel)
+
+_PRESETS = resources.files("bayeshunt") / "config" / "presets"
+
+
+def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
+    """Return a robot given by preset name ("khepera", "car"), by TOML path, or as settings.
+
+    Raises ConfigError in one line: file, key, what was expected.
+    """
+    if isinstance(robot, RobotSettings):
+        return robot
+    values, source = _read(robot, "robots")
+    return parse(RobotSettings, values, source)
+
+
+def load_experiment(
+    experiment: str | os.PathLike[str] | ExperimentSettings, overrides: dict[str, Any] | None = None
+) -> ExperimentSettings:
+    """Return an experiment given by preset name ("paper"), by TOML path, or as settings.
+
+    overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``.
+    A file may start from another with ``base = "paper"`` and change only some keys.
+    """
+    if isinstance(experiment, ExperimentSettings):
+        values, source = experiment.model_dump(), f"settings {experiment.name!r}"
+        if not overrides:
+            return experiment
+    else:
+        values, source = _read(experiment, "")
+        values = _resolve(values, source)
+    before = values
+    values = copy.deepcopy(values)
+    # A group before what is inside it, so that the order in which changes are given means nothing.
+    for key, value in sorted((overrides or {}).items(), key=lambda change: change[0].count(".")):
+        if key == "robot" and isinstance(value, str):
+            value = load_robot(value).model_dump()
+        _set(values, key, value, source)
+    if overrides:
+        _forget_publication(values, before, set(overrides))
+    return parse(ExperimentSettings, values, source)
+
+
+def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") -> RobotSettings:
+    """Return the robot that made a babbling table, from the provenance that babbling leaves in it.
+
+    frame: the table, or its provenance record itself.
+    source: what starts an error message, for example "babbling.parquet: ". Raises InputError if the
+    table does not say, ConfigError if the record is damaged.
+    """
+    from bayeshunt.files.parquet import PROVENANCE_KEY
+
+    record = frame if isinstance(frame, Mapping) else frame.attrs.get(PROVENANCE_KEY, {})
+    recorded = record.get("robot")
+    if recorded is None:
+        raise InputError(f"{source}the table does not say which robot made it; add --robot, or pass its gaits")
+    return parse(RobotSettings, recorded, f"{source}provenance: robot")
+
+
+def preset_names(folder: str = "") -> list[str]:
+    """Return the names of the presets that ship: experiments, or "robots"."""
+    place = _PRESETS / folder if folder else _PRESETS
+    return sorted(p.name.removesuffix(".toml") for p in place.iterdir() if p.name.endswith(".toml"))
+
+
+def parse(kind: type[Kind], values: Any, source: str) -> Kind:
+    """Return ``values`` as settings of ``kind``; a ConfigError names ``source``, the key and the mend."""
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise ConfigError(f"{source}: {_explain(error, kind, values)}") from None
+
+
+def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], str]:
+    """Return the parsed TOML of a preset name or path and what to call it in a message."""
+    if not isinstance(name, (str, os.PathLike)):
+        raise ConfigError(f"expected the name of a preset or the path of a .toml file, got {name!r}")
+    text = os.fspath(name)
+    if not text.endswith(".toml") and os.sep not in text:
+        known = preset_names(folder)
+        if text not in known:
+            near = difflib.get_close_matches(text, known, n=1)
+            hint = (
+                f"; did you mean {near[0]!r}?" if near else f"; expected {', '.join(known)} or a path to a .toml file"
+            )
+            raise ConfigError(f"no preset called {text!r}{hint}")
+        place: Any = (_PRESETS / folder if folder else _PRESETS) / f"{text}.toml"
+        source = f"preset {text!r}"
+    else:
+        place, source = Path(text), text
+    try:
+        return tomllib.loads(place.read_text(encoding="utf-8")), source
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{source}: not valid TOML: {error}") from None
+    except UnicodeDecodeError:
+        raise ConfigError(f"{source}: not a text file in UTF-8") from None
+    except OSError as error:
+        raise ConfigError(f"{source}: cannot be read ({error.strerror or error})") from None
+
+
+def _resolve(values: dict[str, Any], source: str) -> dict[str, Any]:
+    """Apply ``base`` and replace a robot given by name or path by its settings."""
+    folder = Path(source).parent if source.endswith(".toml") else Path()
+    base = values.pop("base", None)
+    if base is not None:
+        if not isinstance(base, str) or base not in preset_names():
+            raise ConfigError(f"{source}: base: expected a preset ({', '.join(preset_names())}), got {base!r}")
+        below, _ = _read(base, "")
+        below = _resolve(below, base)
+        named = {"name": Path(source).stem, **values}
+        values = _merge(below, named)
+        _resolve_robot(values, folder)
+        _forget_publication(values, below, set(named))
+    _resolve_robot(values, folder)
+    return values
+
+
+def _resolve_robot(values: dict[str, Any], folder: Path) -> None:
+    robot = values.get("robot")
+    if isinstance(robot, str):
+        path = folder / robot if robot.endswith(".toml") else robot
+        values["robot"] = load_robot(path).model_dump()
+
+
+#: What makes an experiment another one than the published: change it, and the published figures say nothing.
+_EXPERIMENT = ("robot", "prey", "arenas", "physics", "protocol", "model")
+
+
+def _forget_publication(values: dict[str, Any], before: dict[str, Any], given: set[str]) -> None:
+    """Drop the published figures and reword the note where the experiment is no longer the published one."""
+    changed = [key for key in _EXPERIMENT if _without_runs(values, key) != _without_runs(before, key)]
+    if not changed or not before.get("published"):
+        return
+    if "published" not in given:
+        values["published"] = {}
+    if "note" not in given:
+        values["note"] = (
+            f"Changed from {before['name']!r} ({', '.join(changed)}), whose own settings were fitted to published "
+            "totals; these figures have no published counterpart."
+        )
+
+
+def _without_runs(values: dict[str, Any], key: str) -> Any:
+    """A group of settings as parsed, defaults filled in; more runs make no other experiment."""
+    group = ExperimentSettings.model_fields[key].annotation
+    given = values.get(key, {})
+    if isinstance(group, type) and issubclass(group, BaseModel):
+        with contextlib.suppress(ValidationError):  # said later, with its key
+            given = group.model_validate(given).model_dump()
+    if not isinstance(given, dict):
+        return given  # not even a group: that too is said later
+    return {name: value for name, value in given.items() if name != "runs"}
+
+
+def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        old = merged.get(key)
+        merged[key] = _merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+    return merged
+
+
+def _set(values: dict[str, Any], dotted: str, value: Any, source: str) -> None:
+    *groups, last = dotted.split(".")
+    place = values
+    for group in groups:
+        inner = place.setdefault(group, {})
+        if not isinstance(inner, dict):
+            raise ConfigError(f"{source}: {dotted}: {group!r} is not a group of settings")
+        place[group] = place = dict(inner)
+    place[last] = value
+
+
+def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
+    """One line for the first thing that is wrong in ``values``."""
+    first = error.errors(include_url=False)[0]
+    key = _key(first["loc"], values)
+    if first["type"] == "extra_forbidden":
+        near = difflib.get_close_matches(str(first["loc"][-1]), _keys_at(kind, first["loc"][:-1]), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "it is not a setting"
+        return f"{key}: unknown key; {hint}"
+    if first["type"] == "missing":
+        return f"{key}: required, but not given"
+    message = str(first["msg"]).removeprefix("Value error, ")
+    if not key:
+        return message
+    given = first.get("input")
+    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
+    return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
+
+
+def _key(location: tuple[int | str, ...], values: Any) -> str:
+    """The dotted key of a place in ``values``; one of several groups by its number, from 1, and its name."""
+    key = ""
+    for part in location:
+        try:
+            values = values[part]
+        except (KeyError, IndexError, TypeError):  # what is missing has no name
+            values = None
+        if isinstance(part, int) and isinstance(values, dict):
+            name = f" ({values['name']!r})" if isinstance(values.get("name"), str) else ""
+            key += f" {part + 1}{name}"
+        else:
+            key += f".{part}" if key else str(part)
+    return key
+
+
+def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
+    """Names of the settings that may stand at ``location``."""
+    for part in location:
+        fields = getattr(kind, "model_fields", {})
+        if part in fields:
+            kind = _settings_inside(fields[part].annotation) or kind
+    return list(getattr(kind, "model_fields", {}))
+
+
+def describe(kind: str) -> list[dict[str, Any]]:
+    """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
+
+    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1").
+    Raises ConfigError for another kind.
+    """
+    kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
+    if kind not in kinds:
+        raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
+    return list(_describe(kinds[kind], ""))
+
+
+def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
+    schema = kind.model_json_schema()["properties"]
+    for name, info in kind.model_fields.items():
+        inner = _settings_inside(info.annotation)
+        if inner is not None:
+            many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
+            yield from _describe(inner, f"{prefix}{name}{many}.")
+            continue
+        default = None if info.is_required() else info.get_default(call_default_factory=True)
+        yield {
+            "key": prefix + name,
+            "range": _range(schema.get(name, {})),
+            "default": "required" if info.is_required() else default,
+            "meaning": info.description or "",
+        }
+
+
+def _settings_inside(annotation: Any) -> type[BaseModel] | None:
+    """The settings class that an annotation is or holds, if any."""
+    options = [annotation, *getattr(annotation, "__args__", ())]
+    return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
+
+
+#: Types of a JSON schema in words.
+_TYPES = {
+    "string": "text", "integer": "whole number", "number": "number", "boolean": "true or false", "array": "list",
+    "object": "group", "null": "none", None: "any",
+}  # fmt: skip
+
+
+def _range(schema: dict[str, Any]) -> str:
+    """A readable range from a JSON schema."""
+    if "enum" in schema:
+        return " | ".join(map(str, schema["enum"]))
+    if "anyOf" in schema:
+        return " or ".join(_range(option) for option in schema["anyOf"])
+    low = schema.get("minimum", schema.get("exclusiveMinimum"))
+    high = schema.get("maximum", schema.get("exclusiveMaximum"))
+    limits = []
+    if low is not None and low > -1e6:
+        limits.append(f"{'>=' if 'minimum' in schema else '>'} {low:g}")
+    if high is not None and high < 1e6:
+        limits.append(f"{'<=' if 'maximum' in schema else '<'} {high:g}")
+    return f"{_TYPES[schema.get('type')]} {', '.join(limits)}".rstrip()

@@ -1,0 +1,156 @@
+"""Discretisation: how a metre or a radian becomes a row of a table.
+
+A distance axis is an open-ended grid: bins of one width starting at 0, as many as the data
+reach. A circular axis cuts the full turn into equal bins, the middle one centred on 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import wrap
+
+#: The three effect variables of the paper's network, in the order of every table and array.
+EFFECTS = ("Distance", "Angle", "Heading")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One discretised variable.
+
+    name: "Distance", "Angle" or "Heading".
+    width: bin width, metres (linear) or radians (circular).
+    bins: number of bins, >= 1.
+    circular: True for angles: the bins tile (-pi, pi] and one of them is centred on 0.
+    """
+
+    name: str
+    width: float
+    bins: int
+    circular: bool = False
+
+    def __post_init__(self) -> None:
+        if not (self.width > 0 and math.isfinite(self.width)):
+            raise InputError(f"axis {self.name}: width must be positive, got {self.width}")
+        if self.bins < 1:
+            raise InputError(f"axis {self.name}: needs at least one bin, got {self.bins}")
+
+    @classmethod
+    def linear(cls, name: str, width: float, bins: int = 1) -> Axis:
+        """Bins of ``width`` [m] from 0 upwards."""
+        return cls(name, float(width), int(bins))
+
+    @classmethod
+    def full_turn(cls, name: str, bins: int) -> Axis:
+        """``bins`` equal bins over the full turn, one centred on 0 rad."""
+        bins = int(bins)
+        return cls(name, 2.0 * math.pi / max(bins, 1), bins, circular=True)  # fewer than one bin is refused there
+
+    @property
+    def _first_edge(self) -> float:
+        """Lower edge of bin 0: 0 m, or the edge that puts a bin centre on 0 rad."""
+        return -self.width * (self.bins // 2 + 0.5) if self.circular else 0.0
+
+    @cached_property
+    def edges(self) -> np.ndarray:  # [bins + 1], metres or radians, increasing
+        """Bin edges; for a circular axis the first and last are one full turn apart."""
+        return _read_only(self._first_edge + self.width * np.arange(self.bins + 1))
+
+    @cached_property
+    def centres(self) -> np.ndarray:  # [bins], metres or radians in (-pi, pi]
+        """Bin centres."""
+        centres = self._first_edge + self.width * (np.arange(self.bins) + 0.5)
+        if self.circular:
+            centres = wrap(np.where(np.abs(centres) < 1e-12, 0.0, centres))
+        return _read_only(np.asarray(centres, dtype=float))
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """One unique name per bin: "0-5.7 mm" for distances, "-10 deg" (the centre) for angles."""
+        if self.circular:
+            return tuple(f"{_trim(math.degrees(c))} deg" for c in self.centres)
+        millimetres = self.edges * 1000.0
+        return tuple(f"{_trim(low)}-{_trim(high)} mm" for low, high in pairwise(millimetres))
+
+    def index(self, values: Any) -> Any:
+        """Return the bin index of each value; for a linear axis it may lie beyond ``bins - 1``.
+
+        A scalar gives an int, an array an int64 array. The caller checks the upper end, because
+        what lies beyond it is a fact (nothing was ever seen there), not a mistake.
+        """
+        if isinstance(values, float):
+            if self.circular:
+                values = wrap(values)
+            index = math.floor((values - self._first_edge) / self.width)
+            return index % self.bins if self.circular else index
+        array = np.asarray(values, dtype=float)
+        scaled = np.asarray(wrap(array) if self.circular else array.copy())
+        scaled -= self._first_edge  # in place: a new array costs more than the arithmetic
+        scaled /= self.width
+        indices = np.floor(scaled, out=scaled).astype(np.int64)
+        if self.circular:
+            # the half bin beyond the seam belongs to bin 0; an integer modulo would cost five times more
+            np.subtract(indices, self.bins, out=indices, where=indices >= self.bins)
+        return indices if indices.ndim else int(indices)
+
+    def extended(self, bins: int) -> Axis:
+        """Return this axis with at least ``bins`` bins (linear axes only grow)."""
+        if self.circular or bins <= self.bins:
+            return self
+        return Axis(self.name, self.width, int(bins))
+
+
+@dataclass(frozen=True)
+class EffectAxes:
+    """The axes of Distance, Angle and Heading, in that order."""
+
+    distance: Axis
+    angle: Axis
+    heading: Axis
+
+    @classmethod
+    def standard(
+        cls, body_length: float, *, distance_bin: float = 0.1, angle_bins: int = 36, heading_bins: int = 36
+    ) -> EffectAxes:
+        """Axes for a body of ``body_length`` [m]; ``distance_bin`` is in body lengths."""
+        return cls(
+            Axis.linear("Distance", distance_bin * body_length),
+            Axis.full_turn("Angle", angle_bins),
+            Axis.full_turn("Heading", heading_bins),
+        )
+
+    def __iter__(self):  # type: ignore[no-untyped-def]
+        return iter((self.distance, self.angle, self.heading))
+
+    def __getitem__(self, name: str) -> Axis:
+        for axis in self:
+            if axis.name == name:
+                return axis
+        raise InputError(f"unknown variable {name!r}: expected one of {', '.join(EFFECTS)}")
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of bins of each axis."""
+        return self.distance.bins, self.angle.bins, self.heading.bins
+
+    def extended(self, distance_bins: int) -> EffectAxes:
+        """Return these axes with at least ``distance_bins`` distance bins."""
+        return EffectAxes(self.distance.extended(distance_bins), self.angle, self.heading)
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    array.setflags(write=False)
+    return array
+
+
+def _trim(value: float) -> str:
+    """A short decimal without trailing zeros or a negative zero."""
+    text = f"{value:.6f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text

@@ -1,0 +1,71 @@
+"""Arguments of the wrong kind: refused in one line that names them, before anything is done with them.
+
+Public functions call these first, so that a text where a number belongs is an InputError and not a
+complaint of Python from somewhere inside. Names of files have theirs in :mod:`bayeshunt.files.atomic`.
+"""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError, shown
+
+
+def check_kind(value: Any, name: str, kind: type, expected: str) -> None:
+    """Raise InputError unless ``value`` is a ``kind``; ``expected`` says it in words."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: expected {expected}, got {shown(value)}")
+
+
+def check_whole(value: Any, name: str, least: int) -> None:
+    """Raise InputError unless ``value`` is a whole number (of Python or NumPy) of at least ``least``."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise InputError(f"{name}: expected a whole number of at least {least}, got {shown(value)}")
+
+
+def check_number(value: Any, name: str, expected: str = "a finite number") -> float:
+    """Return ``value`` as a float; InputError unless it is a finite number (of Python or NumPy), no text, no truth."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise InputError(f"{name}: expected {expected}, got {shown(value)}")
+    return float(value)
+
+
+#: One full turn [rad], rounded up: a number beyond it is likelier one of degrees than a direction.
+FULL_TURN = 6.2832
+
+
+def check_radians(value: Any, name: str) -> float:
+    """Return ``value`` [rad] as a float; InputError unless it is a finite number of at most one turn either way.
+
+    For angles that people type: who reads degrees in every table types degrees sooner or later.
+    """
+    angle = check_number(value, name, "a finite number of radians")
+    if abs(angle) > FULL_TURN:
+        raise InputError(f"{name}: {beyond_a_turn(angle)}")
+    return angle
+
+
+def beyond_a_turn(angle: float) -> str:
+    """Return what is wrong with an angle of more than one turn, and the mend."""
+    return (
+        f"expected radians from -2 pi to 2 pi, got {angle:g}; "
+        f"if that is in degrees, give {math.radians(angle):.4g} (degrees x pi / 180)"
+    )
+
+
+def check_numbers(values: Any, name: str) -> np.ndarray:
+    """Return ``values`` as float64; InputError unless they are numbers in a regular array (NaN may be among them)."""
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):  # their messages speak of Python
+        raise InputError(f"{name}: expected numbers, got {shown(values)}") from None
+
+
+def check_generator(rng: Any) -> None:
+    """Raise InputError unless ``rng`` is a NumPy generator."""
+    if not isinstance(rng, np.random.Generator):
+        raise InputError(f"rng must be a numpy.random.Generator, got {shown(rng)}")

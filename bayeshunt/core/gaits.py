@@ -1,0 +1,103 @@
+"""Gaits: the named motor commands a robot can hold for one time-step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from numbers import Real
+from typing import Any
+
+from bayeshunt.core import displays
+from bayeshunt.core.errors import InputError
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A named motor command.
+
+    name: unique within a repertoire.
+    command: what the body executes; its meaning and unit belong to the body (for a differential
+        drive left and right wheel speed in m/s, for a car speed in m/s and steering in rad).
+    """
+
+    name: str
+    command: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, repr=False)
+class GaitRepertoire(Sequence[Gait]):
+    """The gaits of one robot, in the order of every table's columns.
+
+    body_length: metres, the unit of the default distance bins.
+    duration: seconds that one gait is held: the time-step of every model.
+    """
+
+    gaits: tuple[Gait, ...]
+    body_length: float = 0.057
+    duration: float = 3.328
+    _positions: dict[str, int] = field(init=False, repr=False, compare=False, hash=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gaits", tuple(self.gaits))
+        names = [gait.name for gait in self.gaits]
+        if not names:
+            raise InputError("a gait repertoire needs at least one gait")
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise InputError(f"gait names must be unique, repeated: {', '.join(repeated)}")
+        for name in ("body_length", "duration"):
+            value = getattr(self, name)
+            if not isinstance(value, Real) or not 0 < float(value) < math.inf:
+                raise InputError(f"a gait repertoire needs {name} > 0, got {value!r}")
+        object.__setattr__(self, "_positions", {name: i for i, name in enumerate(names)})
+
+    @classmethod
+    def of(cls, gaits: Any, **settings: float) -> GaitRepertoire:
+        """Return ``gaits`` itself if it is a repertoire, a robot's repertoire, or one made of Gait objects or names."""
+        if isinstance(gaits, cls):
+            return gaits
+        if isinstance(getattr(gaits, "gaits", None), cls):  # the settings of a robot
+            return gaits.gaits
+        if isinstance(gaits, str) or not isinstance(gaits, Iterable):
+            raise InputError(f"gaits: expected a robot's gaits, or a list of names, got {gaits!r}")
+        return cls(tuple(g if isinstance(g, Gait) else Gait(str(g)) for g in gaits), **settings)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Gait names in table order."""
+        return tuple(gait.name for gait in self.gaits)
+
+    def index(self, name: Any, *unused: Any) -> int:  # type: ignore[override]
+        """Return the position of a gait given by name or as a Gait.
+
+        Raises InputError if the repertoire has no such gait.
+        """
+        key = name.name if isinstance(name, Gait) else name
+        try:
+            return self._positions[key]
+        except (KeyError, TypeError):
+            raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
+
+    def __repr__(self) -> str:
+        body = f"body {1000 * self.body_length:g} mm"
+        return f"<GaitRepertoire: {len(self)} gaits, {body}, each held {self.duration:g} s>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+    def __getitem__(self, key: Any) -> Any:
+        return self.gaits[self.index(key)] if isinstance(key, str) else self.gaits[key]
+
+    def __contains__(self, gait: object) -> bool:
+        """Return whether there is such a gait, given by name or as a Gait."""
+        return gait in self.gaits if isinstance(gait, Gait) else gait in self.names
+
+    def __len__(self) -> int:
+        return len(self.gaits)
+
+    def __iter__(self) -> Iterator[Gait]:
+        return iter(self.gaits)

@@ -1,0 +1,212 @@
+"""The hunt: sense, learn the prey, plan, act, until the catch or the time limit.
+
+The first room that sees both the world and the minds. Everything random comes from one seed,
+split into one stream per role, so that two planners meet the same noise and the same prey.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.checks import check_kind, check_radians, check_whole
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.episodes.episode import Episode, Step
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Future, Plan, Planner, Situation
+from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
+from bayeshunt.worlds.box2d.arena import Arena, Moment, Streams
+from bayeshunt.worlds.foresight import foresee
+
+
+class Result(NamedTuple):
+    """How a hunt ended.
+
+    caught: whether the prey was caught. time: seconds to the catch, the time limit if missed.
+    decisions: gaits chosen. transitions: changes of gait. distance: metres travelled by the
+    hunter, as the sum of straight lines between decisions.
+    """
+
+    caught: bool
+    time: float
+    decisions: int
+    transitions: int
+    distance: float
+
+
+def hunt(
+    experiment: str | os.PathLike[str] | ExperimentSettings,
+    planner: Planner,
+    *,
+    arena: str = "walled",
+    theta: float = 1.0,
+    seed: int = 0,
+    prey_model: PreyModel | None = None,
+) -> Episode:
+    """Run one hunt and return all of it.
+
+    experiment: preset name ("paper"), TOML path or settings. arena: one of its arenas.
+    theta: bearing of the prey at the start, radians clockwise from the hunter's heading, -2 pi to 2 pi.
+    seed: of the noise, the prey and the planner; any whole number >= 0.
+    prey_model: what is known of the prey beforehand; by default nothing (it is copied, not changed).
+
+    Raises InputError for an unknown arena or a seed or theta that is not a number in range.
+    """
+    settings = load_experiment(experiment)
+    if not callable(getattr(planner, "plan", None)):
+        raise InputError(f'planner: expected one made by make_planner("planning", model), got {planner!r}')
+    steps: list[Step] = []
+    trail: list[Moment] = []
+    trial = _Trial(settings, arena, theta, seed, prey_model, trail)
+    for situation, plan, moment, observed in trial.decide(planner):
+        # The prey model goes on learning: the record keeps what was known at this decision.
+        situation = replace(situation, prey_model=trial.prey_model.copy())
+        steps.append(Step.of(len(steps), moment, situation, plan, observed))
+    return Episode.assemble(
+        steps,
+        trail,
+        trial.result,
+        settings=settings,
+        planner=planner.name,
+        arena=arena,
+        theta=float(theta),
+        seed=int(seed),
+    )
+
+
+def run_hunt(
+    settings: ExperimentSettings, planner: Planner, arena: str, theta: float, seed: int,
+    prey_model: PreyModel | None = None,
+) -> Result:  # fmt: skip
+    """Run one hunt and return only how it ended: the same hunt as :func:`hunt`, without the record."""
+    trial = _Trial(settings, arena, theta, seed, prey_model, None)
+    if isinstance(planner, KinematicLimit):
+        return trial.limit(planner)
+    for _ in trial.decide(planner):
+        pass
+    return trial.result
+
+
+class _Trial:
+    """One hunt in progress."""
+
+    def __init__(
+        self, settings: ExperimentSettings, arena: str, theta: float, seed: int,
+        prey_model: PreyModel | None, trail: list[Moment] | None,
+    ) -> None:  # fmt: skip
+        _check(settings, arena, theta, seed, prey_model)
+        self.settings = settings
+        self.trail = trail
+        body_length = settings.robot.body.diameter
+        hunter_noise, prey_noise, prey_control, self.rng = (
+            np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(4)
+        )
+        self.prey_model = prey_model.copy() if prey_model is not None else PreyModel(_prey_axes(settings))
+        hunter_pose, prey_pose = starting_poses(settings, float(theta))
+        self.arena = Arena(
+            settings.robot, settings.prey, settings.arenas[arena], settings.physics,
+            Streams(hunter_noise, prey_noise, prey_control),
+            hunter_pose=hunter_pose, prey_pose=prey_pose,
+            catch_distance=settings.protocol.catch_distance * body_length,
+        )  # fmt: skip
+        self.transitions = self.decisions = 0
+        self.distance = 0.0
+
+    @property
+    def result(self) -> Result:
+        """How the hunt ended (or stands)."""
+        time = self.arena.time if self.arena.caught else self.settings.protocol.time_limit
+        return Result(self.arena.caught, time, self.decisions, self.transitions, self.distance)
+
+    def decide(self, planner: Planner) -> Iterator[tuple[Situation, Plan, Moment, Polar | None]]:
+        """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
+        arena, robot = self.arena, self.settings.robot
+        previous_gait = None
+        foresight = float(getattr(planner, "foresight", 0.0)) if getattr(planner, "needs_future", False) else 0.0
+        previous: Moment | None = None
+        transitions: tuple[Polar, ...] = ()
+        while not arena.caught and (left := self._time_left()) > 0:
+            moment = Moment(arena.time, arena.hunter.pose, arena.prey.pose)
+            observed = self._observe(previous, moment)
+            if observed is not None:
+                transitions = (*transitions, observed)
+            situation = Situation(
+                prey=moment.hunter.relative(moment.prey), prey_model=self.prey_model,
+                body_length=robot.body.diameter, time=moment.time, step=self.decisions,
+                previous_gait=previous_gait, time_step=robot.gait_duration,
+                transitions=transitions, pose=moment.hunter,
+                future=self._future(foresight) if foresight else None,
+            )  # fmt: skip
+            plan = planner.plan(situation, rng=self.rng)
+            yield situation, plan, moment, observed
+            self.decisions += 1
+            self.transitions += previous_gait is not None and plan.gait != previous_gait
+            previous, previous_gait = moment, plan.gait
+            command = robot.gaits[plan.gait].command
+            arena.run(command, min(robot.gait_duration, left), self.trail)
+            end = arena.hunter.pose
+            self.distance += math.hypot(end.x - moment.hunter.x, end.y - moment.hunter.y)
+
+    def _time_left(self) -> float:
+        """Seconds in whole physics steps until the time limit, which a catch must not outlast; at least one in all."""
+        step = self.settings.physics.step
+        whole = max(1, math.floor(self.settings.protocol.time_limit / step + 1e-9))
+        return (whole - round(self.arena.time / step)) * step
+
+    def limit(self, bound: KinematicLimit) -> Result:
+        """Return the result of a bound that is computed from the start of the hunt instead of run."""
+        limit, speed = self.settings.protocol.time_limit, self.settings.robot.top_speed
+        time = bound.capture_time(self._future(limit), speed, self.arena.catch_distance)
+        caught = time <= limit
+        time = min(time, limit)
+        return Result(caught, time, 0, 0, speed * time)
+
+    def _future(self, duration: float) -> Future:
+        """The prey's noise-free future as the hunter sees it now."""
+        times, poses = foresee(self.arena, duration)
+        return Future(times, self.arena.hunter.pose.relative(poses))
+
+    def _observe(self, previous: Moment | None, moment: Moment) -> Polar | None:
+        """Learn the prey's last transition, in its own earlier frame."""
+        if previous is None:
+            return None
+        transition = previous.prey.relative(moment.prey)
+        self.prey_model.observe(transition)
+        return transition
+
+
+def starting_poses(settings: ExperimentSettings, theta: float) -> tuple[Pose, Pose]:
+    """Return hunter and prey at the start: the hunter in the centre, the prey at bearing ``theta`` [rad, clockwise].
+
+    Both face along x (identical headings), as in section 4 of the paper.
+    """
+    hunter = Pose(0.0, 0.0, 0.0)
+    distance = settings.protocol.prey_distance * settings.robot.body.diameter
+    return hunter, hunter.compose(Polar(distance, theta, 0.0))
+
+
+def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
+    model = settings.model
+    return EffectAxes.standard(
+        settings.robot.body.diameter,
+        distance_bin=model.distance_bin,
+        angle_bins=model.angle_bins,
+        heading_bins=model.heading_bins,
+    )
+
+
+def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: PreyModel | None) -> None:
+    settings.check_arena(arena)
+    check_whole(seed, "seed", 0)
+    check_radians(theta, "theta")
+    if prey_model is not None:
+        check_kind(prey_model, "prey_model", PreyModel, "a PreyModel or None")

@@ -1,0 +1,62 @@
+"""Before the hunts: the robot babbles alone in an arena, and planners are made with what it learned there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.models.arena.rooms import RoomModel
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Planner
+from bayeshunt.planners.registry import explores, make_planner
+from bayeshunt.worlds.exploring import explore
+
+
+def learn_room(
+    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    *,
+    arena: str = "walled",
+    steps: int = 1000,
+    seed: int = 0,
+    model: ForwardModel | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> RoomModel:
+    """Return the walls of one of the experiment's arenas, learned by babbling ``steps`` gaits in it.
+
+    seed: of the babbling and, without ``model``, of the forward model's. progress: called with 1 after
+    every step of either. Raises InputError for an unknown arena or a wrong number.
+    """
+    settings = load_experiment(experiment)
+    if arena not in settings.arenas:
+        raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+    track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics, progress=progress)
+    return RoomModel.fit(track, learn_model(settings, seed, progress) if model is None else model)
+
+
+def learn_rooms(
+    settings: ExperimentSettings, planners: Iterable[str], arenas: Iterable[str], seed: int, model: ForwardModel
+) -> dict[str, RoomModel]:
+    """Return the room of each arena, learned there; none if no planner explores.
+
+    seed: of the babbling; the room of an arena is the same whatever else is evaluated.
+    """
+    if not any(explores(name, settings.planner.get(name, {})) for name in planners):
+        return {}
+    return {arena: learn_room(settings, arena=arena, seed=seed, model=model) for arena in arenas}
+
+
+def prepare_planner(
+    name: str, model: ForwardModel, settings: ExperimentSettings, rooms: Mapping[str, RoomModel], arena: str
+) -> Planner:
+    """Return a planner with the experiment's settings, ready to hunt in ``arena``.
+
+    rooms: of :func:`learn_rooms`. Raises InputError for an unknown name or a wrong setting.
+    """
+    given = dict(settings.planner.get(name, {}))
+    if explores(name, given) and arena in rooms:
+        given["room"] = rooms[arena]
+    return make_planner(name, model, **given)

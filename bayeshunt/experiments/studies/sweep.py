@@ -1,0 +1,146 @@
+"""How success and catch time change with the settings: one evaluation per point of a grid."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.run.runner import Progress, check_minds, evaluate
+from bayeshunt.experiments.scores import summarise
+from bayeshunt.models.body.forward import ForwardModel
+
+#: Names for sweeps that people ask for; any other axis is a dotted key of the settings.
+AXES: dict[str, tuple[str, tuple[float, ...]]] = {
+    "speed_ratio": ("prey speed / hunter's top speed", (0.5, 0.6, 0.7, 0.8, 0.833, 0.9, 1.0, 1.1, 1.2, 1.3)),
+    "gait_duration": ("time-step [s]", (0.832, 1.664, 2.496, 3.328, 4.992)),
+    "noise": ("actuator noise, as a multiple of the settings'", (0.0, 0.5, 1.0, 1.5, 2.0)),
+    "babbling_steps": ("gaits babbled", (50, 100, 200, 500, 1000, 2000, 5000)),
+    "gaits": ("gaits, the first so many of the robot's", (3, 5, 7, 8, 10)),
+    "max_transitions": ("most changes of gait in a plan", (0, 1, 2)),
+}
+
+#: Columns of a sweep after those of its axes.
+COLUMNS = ("planner", "arena", "runs", "caught", "success", "ci_low", "ci_high", "mean_time_s")
+
+Grid = Mapping[str, Sequence[Any]]
+
+
+def sweep(
+    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    grid: Grid | None = None,
+    *,
+    runs: int | None = None,
+    seed: int = 0,
+    jobs: int = 1,
+    planners: Sequence[str] | None = None,
+    arenas: Sequence[str] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Evaluate every combination of the grid's values and return one row per point, planner and arena.
+
+    grid: axis -> values; an axis is one of :data:`AXES` or a dotted key of the settings ("prey.speed").
+        By default the speed ratio. The robot babbles and learns anew wherever the point changes its body,
+        its gaits or its babbling.
+    runs, seed, jobs, planners, arenas: as in :func:`bayeshunt.evaluate`.
+    out: folder in which the hunts of every point are kept, so that a sweep that was stopped goes on.
+
+    Columns: one per axis, then planner, arena, runs, caught, success [share], ci_low, ci_high (95 %
+    Wilson), mean_time_s (a miss counts as the time limit).
+
+    Raises InputError for an axis, a value or a name that is wrong, before any hunt is run.
+    """
+    settings = load_experiment(experiment)
+    grid = {"speed_ratio": AXES["speed_ratio"][1]} if grid is None else dict(grid)
+    points = [(values, at_point(settings, values, runs)) for values in combinations(grid)]
+    models = _learn([point for _, point in points], seed)
+    for (_, point), model in zip(points, models, strict=True):
+        check_minds(planners or point.planners, model, point)
+    rows: list[dict[str, Any]] = []
+    for number, ((values, point), model) in enumerate(zip(points, models, strict=True)):
+        results = evaluate(
+            point, seed=seed, jobs=jobs, planners=planners, arenas=arenas, model=model, progress=progress,
+            out=None if out is None else Path(out) / f"point-{number:03d}",
+        )  # fmt: skip
+        totals = [row for row in summarise(results, point) if row["theta"] is None]
+        rows += [{**values, **{name: row[name] for name in COLUMNS}} for row in totals]
+    frame = pd.DataFrame(rows, columns=[*grid, *COLUMNS])
+    frame.attrs = {"axes": list(grid), "seed": int(seed), "experiment": settings.name, "note": settings.note}
+    return frame
+
+
+def _learn(points: Sequence[ExperimentSettings], seed: int) -> list[ForwardModel]:
+    """The model of each point, learned once for all points that share body, gaits and babbling."""
+    models: dict[str, ForwardModel] = {}
+    keys = [json.dumps([p.robot.model_dump(), p.model.model_dump(), p.physics.model_dump()]) for p in points]
+    for key, point in zip(keys, points, strict=True):
+        if key not in models:
+            models[key] = learn_model(point, seed)
+    return [models[key] for key in keys]
+
+
+def combinations(grid: Grid) -> list[dict[str, Any]]:
+    """Return every combination of a grid's values; InputError if an axis has none."""
+    for axis, values in grid.items():
+        if isinstance(values, str) or not isinstance(values, Sequence) or not values:
+            raise InputError(f"sweep: axis {axis!r} needs a list of values, got {values!r}")
+    if not grid:
+        raise InputError(f"sweep: the grid has no axis; take one of {', '.join(AXES)} or a key of the settings")
+    return [dict(zip(grid, values, strict=True)) for values in itertools.product(*grid.values())]
+
+
+def at_point(settings: ExperimentSettings, values: Mapping[str, Any], runs: int | None = None) -> ExperimentSettings:
+    """Return the settings at one point of a grid."""
+    overrides: dict[str, Any] = {} if runs is None else {"protocol.runs": runs}
+    for axis, value in values.items():
+        overrides.update(_meaning(axis)(settings, value))
+    return load_experiment(settings, overrides)
+
+
+def _meaning(axis: str) -> Callable[[ExperimentSettings, Any], dict[str, Any]]:
+    """How a value of an axis is said in settings by dotted key."""
+    named = {
+        "speed_ratio": lambda s, v: {"prey.speed": _number(axis, v, 0.0) * s.robot.top_speed},
+        "gait_duration": lambda s, v: {"robot.gait_duration": v},
+        "noise": _scale_noise,
+        "babbling_steps": lambda s, v: {"model.babbling_steps": v},
+        "gaits": _first_gaits,
+        "max_transitions": lambda s, v: {"planner.planning.max_transitions": v},
+    }
+    if axis in named:
+        return named[axis]
+    if axis.partition(".")[0] not in ExperimentSettings.model_fields:
+        raise InputError(f"sweep: unknown axis {axis!r}; expected one of {', '.join(AXES)} or a key like prey.speed")
+    return lambda s, v: {axis: v}
+
+
+def _scale_noise(settings: ExperimentSettings, value: Any) -> dict[str, Any]:
+    scale = _number("noise", value, 0.0)
+    return {
+        f"{who}.noise.{key}": scale * getattr(getattr(settings, who).noise, key)
+        for who in ("robot", "prey")
+        for key in ("slip", "drift_sd")
+    }
+
+
+def _first_gaits(settings: ExperimentSettings, value: Any) -> dict[str, Any]:
+    gaits = [gait.model_dump() for gait in settings.robot.gait]
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= len(gaits):
+        raise InputError(f"sweep: gaits: expected a whole number from 1 to {len(gaits)}, got {value!r}")
+    return {"robot.gait": gaits[:value]}
+
+
+def _number(axis: str, value: Any, least: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not value >= least:
+        raise InputError(f"sweep: {axis}: expected a number of at least {least:g}, got {value!r}")
+    return float(value)

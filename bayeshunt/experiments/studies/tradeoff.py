@@ -1,0 +1,129 @@
+"""What a quicker catch costs: time, distance, changes of gait and planning time of several planners and weights."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.episodes.loop import run_hunt
+from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
+from bayeshunt.experiments.protocol import hunt_seed, learn_model
+from bayeshunt.experiments.run.runner import Progress, evaluate
+from bayeshunt.experiments.scores import wilson_interval
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.sequences.frugal import CostWeights
+
+#: The planner that weighs its costs; the others are shown beside it.
+WEIGHED = "frugal"
+#: Values of a varied weight by default: per metre, per change of gait, per second of planning.
+VARIED: dict[str, tuple[float, ...]] = {
+    "distance": (0.0, 10.0, 30.0, 100.0),
+    "transitions": (0.0, 1.0, 3.0, 10.0),
+    "planning": (0.0, 1e2, 1e3, 1e4),
+}
+
+
+def tradeoff(
+    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    vary: Mapping[str, Sequence[float]] | None = None,
+    *,
+    runs: int | None = None,
+    seed: int = 0,
+    jobs: int = 1,
+    planners: Sequence[str] = ("prediction", "planning"),
+    arena: str = "open",
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Evaluate the planner ``frugal`` under several weights, and others beside it; one row for each.
+
+    vary: weight -> values, one weight at a time, the others as in ``planner.frugal`` of the settings.
+    planners: those beside it. arena: one of the settings'.
+
+    Columns: planner, weight, value (what was varied; empty for the others), runs, caught, success,
+    ci_low, ci_high, mean_time_s, mean_distance_m, mean_transitions, planning_ms (median of one decision,
+    measured on this machine, alone among the columns in that), mean_planning_s, cost (under the
+    settings' weights).
+    """
+    settings = load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
+    vary = {"transitions": VARIED["transitions"]} if vary is None else vary
+    weights = _weights(settings)
+    cases = [(name, "", float("nan"), settings) for name in planners]
+    for weight, values in vary.items():
+        if weight not in vars(weights):
+            raise InputError(f"unknown weight {weight!r}; expected one of {', '.join(vars(weights))}")
+        for value in values:
+            point = load_experiment(settings, {f"planner.{WEIGHED}.{weight}": value})
+            _weights(point)  # a wrong value fails here, before any work
+            cases.append((WEIGHED, weight, float(value), point))
+    model = learn_model(settings, seed)
+    rows = []
+    for planner, weight, value, point in cases:
+        hunts = evaluate(
+            point, seed=seed, jobs=jobs, planners=[planner], arenas=[arena], model=model, progress=progress
+        )
+        rows.append({"planner": planner, "weight": weight, "value": value}
+                    | _summary(hunts, weights, planning_time(point, model, planner, arena, seed)))  # fmt: skip
+    frame = pd.DataFrame(rows)
+    frame.attrs = {"experiment": settings.name, "note": settings.note, "seed": int(seed), "arena": arena,
+                   "weights": vars(weights).copy()}  # fmt: skip
+    return frame
+
+
+def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: str, arena: str, seed: int) -> float:
+    """Return the median time of one decision [s], over one hunt per bearing, on this machine."""
+    rooms = learn_rooms(settings, [planner], [arena], seed, model)
+    timed = _Timed(prepare_planner(planner, model, settings, rooms, arena))
+    for index, theta in enumerate(settings.protocol.thetas):
+        run_hunt(settings, timed, arena, theta, hunt_seed(seed, index, 0))  # type: ignore[arg-type]
+    return float(np.median(timed.times)) if timed.times else 0.0
+
+
+class _Timed:
+    """A planner with a stopwatch."""
+
+    def __init__(self, planner: Any) -> None:
+        self._planner, self.name = planner, planner.name
+        self.times: list[float] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._planner, name)
+
+    def plan(self, situation: Any, *, rng: np.random.Generator) -> Any:
+        """Plan, and note the time taken."""
+        start = time.perf_counter()
+        plan = self._planner.plan(situation, rng=rng)
+        self.times.append(time.perf_counter() - start)
+        return plan
+
+
+def _weights(settings: ExperimentSettings) -> CostWeights:
+    chosen = settings.planner.get(WEIGHED, {})
+    return CostWeights(**{name: chosen[name] for name in vars(CostWeights()) if name in chosen})
+
+
+def _summary(hunts: pd.DataFrame, weights: CostWeights, per_decision: float) -> dict[str, Any]:
+    runs, caught = len(hunts), int(hunts["caught"].sum())
+    low, high = wilson_interval(caught, runs)
+    planning = float(hunts["decisions"].mean()) * per_decision
+    time_s, distance, transitions = (float(hunts[name].mean()) for name in ("time", "distance", "transitions"))
+    return {
+        "runs": runs,
+        "caught": caught,
+        "success": caught / runs,
+        "ci_low": low,
+        "ci_high": high,
+        "mean_time_s": time_s,
+        "mean_distance_m": distance,
+        "mean_transitions": transitions,
+        "planning_ms": 1e3 * per_decision,
+        "mean_planning_s": planning,
+        "cost": float(weights.total(time_s, distance, transitions, planning)),
+    }

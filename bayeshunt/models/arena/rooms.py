@@ -1,0 +1,189 @@
+"""The room: walls that the hunter was held up by while it babbled in the arena.
+
+Walls are straight and the room is convex: a wall is a half-plane that the hunter's centre cannot
+leave, in the frame in which the hunter started. Letters: W walls.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.errors import DataError, ModelFileError
+from bayeshunt.data.babbling_table import PROVENANCE_KEY
+from bayeshunt.files.atomic import check_source, write_text
+from bayeshunt.models.body.forward import ForwardModel
+
+KIND, FORMAT = "bayeshunt room", 1
+_MAKER = "bayeshunt explore"
+_COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
+#: A step ended this many body lengths from where its gait leads: something was in the way.
+_BLOCKED = 1.0
+#: A wall is at least this long, and these many blocked poses lie within this many body lengths of it.
+_LENGTH, _SUPPORT, _NEAR = 1.5, 10, 0.1
+#: Edges of the hull whose directions differ by less [rad] are one wall.
+_PARALLEL = math.radians(10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class RoomModel:
+    """Walls as half-planes ``nx x + ny y <= offset`` of the hunter's centre, in its starting frame.
+
+    normals: unit vectors towards the walls, x ahead and y to the left [W, 2]. offsets: metres [W].
+    lengths: metres of wall touched [W]. blocked: poses near the wall in steps that were held up [W].
+    """
+
+    normals: np.ndarray
+    offsets: np.ndarray
+    lengths: np.ndarray
+    blocked: np.ndarray
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def empty(cls) -> RoomModel:
+        """Return a room in which no wall has been met."""
+        return cls(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
+
+    @classmethod
+    def fit(cls, track: pd.DataFrame, model: ForwardModel) -> RoomModel:
+        """Learn the walls from poses while babbling in the arena.
+
+        track: columns step, gait, interval, x, y [m], theta [rad, counter-clockwise], one row per
+        part-way pose, ordered, in the starting frame. model: tells where each gait leads in the open.
+        Walls are the long edges of the convex hull of all poses at which steps were held up: an
+        edge where nothing was ever in the way is only where the hunter did not go.
+
+        Raises DataError if a column is missing, a number is not finite or the robot hardly moved; InputError
+        for a gait that ``model`` does not know.
+        """
+        missing = [name for name in _COLUMNS if name not in track.columns]
+        if missing:
+            raise DataError(f"track: column {missing[0]!r} is missing; expected {', '.join(_COLUMNS)}")
+        poses = track[["x", "y", "theta"]].to_numpy(dtype=float)
+        places = poses[:, :2]
+        if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
+            raise DataError("track: expected at least three places, and finite x, y and theta")
+        held = places[_held_up(track, model)]
+        walls = _merge(_edges(_hull(places)), held, model.gaits.body_length)
+        table = np.array(walls, dtype=float).reshape(-1, 5)
+        provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
+        return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
+
+    def __post_init__(self) -> None:
+        for name in ("normals", "offsets", "lengths", "blocked"):
+            array = np.array(getattr(self, name))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def walls(self) -> pd.DataFrame:
+        """Return one row per wall: direction [deg, clockwise from the start's heading], offset, length [m], blocked."""
+        bearing = -np.degrees(np.arctan2(self.normals[:, 1], self.normals[:, 0])) + 0.0
+        columns = {"bearing_deg": bearing, "offset_m": self.offsets, "length_m": self.lengths, "blocked": self.blocked}
+        return pd.DataFrame(columns).rename_axis("Wall")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the room as JSON with a checksum, replaced atomically."""
+        content = {
+            "normals": self.normals.tolist(),
+            "offsets": self.offsets.tolist(),
+            "lengths": self.lengths.tolist(),
+            "blocked": self.blocked.tolist(),
+            "provenance": dict(self.provenance),
+        }
+        record = {"kind": KIND, "format": FORMAT, "checksum": _checksum(content), "content": content}
+        write_text(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> RoomModel:
+        """Read a room; ModelFileError in one line if the file is missing, damaged or something else."""
+        check_source(path, _MAKER, ModelFileError)
+        name, mend = os.fspath(path), f"give a file made by: {_MAKER}"
+        try:
+            record = json.loads(Path(path).read_text(encoding="utf-8"))
+            content = record["content"]
+            kind = (record["kind"], record["format"])
+            sound = record["checksum"] == _checksum(content)
+            normals = np.array(content["normals"], dtype=float).reshape(-1, 2)
+            rest = [np.array(content[key], dtype=float) for key in ("offsets", "lengths", "blocked")]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            reason = (str(error).splitlines() or [""])[0][:120]
+            raise ModelFileError(f"{name}: not a room ({type(error).__name__}: {reason}); {mend}") from None
+        if kind != (KIND, FORMAT):
+            raise ModelFileError(f"{name}: kind and format are {kind}, expected {(KIND, FORMAT)}; {mend}")
+        if not sound or any(len(part) != len(normals) for part in rest):
+            raise ModelFileError(f"{name}: the checksum does not match: edited or damaged; {mend}")
+        return cls(normals, rest[0], rest[1], rest[2].astype(int), content["provenance"])
+
+
+def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:
+    """Return bool [N]: rows of steps that ended a body length or more from where their gait leads."""
+    last = track.groupby("step", sort=False).tail(1)
+    end = last[["x", "y", "theta"]].to_numpy(dtype=float)
+    start = np.vstack([np.zeros(3), end[:-1]])
+    codes = [model.gaits.index(name) for name in last["gait"]]
+    led = [model.predict(gait) for gait in model.gaits]
+    ahead, left = (
+        np.array([float(v) for v in part])[codes] for part in ([p.forward for p in led], [-p.right for p in led])
+    )
+    cos, sin = np.cos(start[:, 2]), np.sin(start[:, 2])
+    miss = np.hypot(
+        start[:, 0] + cos * ahead - sin * left - end[:, 0], start[:, 1] + sin * ahead + cos * left - end[:, 1]
+    )
+    held = last["step"].to_numpy()[miss > _BLOCKED * model.gaits.body_length]
+    return track["step"].isin(held).to_numpy()
+
+
+def _hull(points: np.ndarray) -> np.ndarray:
+    """Return the corners of the convex hull, counter-clockwise [V, 2] (Andrew's monotone chain)."""
+    ordered = np.unique(points, axis=0).tolist()
+    half: list[list[list[float]]] = []
+    for run in (ordered, ordered[::-1]):
+        chain: list[list[float]] = []
+        for x, y in run:
+            while len(chain) > 1:
+                (ax, ay), (bx, by) = chain[-2], chain[-1]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0:
+                    break
+                chain.pop()
+            chain.append([x, y])
+        half.append(chain[:-1])
+    return np.array(half[0] + half[1])
+
+
+def _edges(hull: np.ndarray) -> np.ndarray:
+    """Return nx, ny, offset, length of every edge, the longest first [V, 4]."""
+    along = np.roll(hull, -1, axis=0) - hull
+    length = np.hypot(*along.T)
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
+    offset = (normal * hull).sum(axis=1)
+    return np.column_stack([normal, offset, length])[np.argsort(-length, kind="stable")]
+
+
+def _merge(edges: np.ndarray, held: np.ndarray, body: float) -> list[tuple[float, ...]]:
+    """Return the walls among the edges: of nearly parallel ones, the longest says where the wall is."""
+    walls: list[tuple[float, ...]] = []
+    free = np.ones(len(edges), dtype=bool)
+    for index, (nx, ny, offset, _) in enumerate(edges.tolist()):
+        if not free[index]:
+            continue
+        same = free & (edges[:, 0] * nx + edges[:, 1] * ny > math.cos(_PARALLEL))
+        free &= ~same
+        length = float(edges[same, 3].sum())
+        near = int((offset - held @ np.array([nx, ny]) < _NEAR * body).sum())
+        if length >= _LENGTH * body and near >= _SUPPORT:
+            walls.append((nx, ny, offset, length, float(near)))
+    return walls
+
+
+def _checksum(content: Any) -> str:
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(canonical.encode()).hexdigest()

@@ -1,0 +1,233 @@
+"""Is the model any good? Held-out scores, calibration, tests of its assumption, and other structures.
+
+Every score is k-fold: a row is predicted by tables that have not counted it. Maximum-likelihood tables
+would give a new row probability 0 as soon as it lands in a fresh bin, an infinite loss; the tables of an
+assessment are therefore smoothed by a Dirichlet prior, the same for every structure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.config.loading import recorded_robot
+from bayeshunt.core import displays
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.models.assessment import scores
+from bayeshunt.models.assessment.independence import independence
+from bayeshunt.models.assessment.rows import CodedRows
+from bayeshunt.models.assessment.structures import compare
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.previous import PreviousGaitModel
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts, counts_for
+from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, STRUCTURES, Structure, depends_on_previous
+
+#: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.
+PRIOR = 0.03
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment:
+    """How good a forward model is on a babbling table. Log-losses are natural, in nats per row.
+
+    settings: rows, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
+    variables: per effect, held-out log_loss and brier, both also for a forecast that ignores the gait.
+    reliability: per variable and bin of the forecast: count, mean forecast, share observed.
+    gaits: held-out accuracy, log_loss and brier of P(Gait | Distance, Angle), the inverse model, and
+        accuracy_with_heading.
+    confusion: rows executed, columns inferred from Distance and Angle, counts.
+    independence: tests that effects are independent given the gait; see ``assess_independence``.
+    structures: held-out log_loss, bic and parameters of each structure; see ``assess_structures``.
+    found: structure name -> Structure fitted to all rows.
+    given: scores of the model given, its own tables on these rows; None if none was given.
+    notes: what a reader has to know besides.
+    """
+
+    settings: dict[str, Any]
+    variables: pd.DataFrame
+    reliability: pd.DataFrame
+    gaits: dict[str, float]
+    confusion: pd.DataFrame
+    independence: pd.DataFrame
+    structures: pd.DataFrame
+    found: dict[str, Structure]
+    given: dict[str, Any] | None
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        facts, best = self.settings, self.structures["log_loss"].idxmin()
+        return f"<Assessment: {facts['rows']} rows, {facts['folds']} folds, best structure {best}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as plain values for JSON; a number that is not finite is None."""
+        tables = {
+            "variables": self.variables.reset_index().to_dict("records"),
+            "reliability": self.reliability.to_dict("records"),
+            "gaits": self.gaits,
+            "confusion": {str(k): row for k, row in self.confusion.to_dict("index").items()},
+            "independence": self.independence.to_dict("records"),
+            "structures": self.structures.reset_index().to_dict("records"),
+            "edges": {name: [list(edge) for edge in s.edges] for name, s in self.found.items()},
+        }
+        return _plain({"settings": self.settings, **tables, "given": self.given, "notes": list(self.notes)})
+
+
+def assess(
+    frame: pd.DataFrame,
+    gaits: Iterable[Gait | str] | GaitRepertoire | None = None,
+    *,
+    model: ForwardModel | None = None,
+    folds: int = 5,
+    seed: int = 0,
+    prior: float = PRIOR,
+    axes: EffectAxes | None = None,
+    structures: Sequence[str] | None = None,
+    permutations: int = 999,
+) -> Assessment:
+    """Assess the forward model that ``frame`` gives, and compare the paper's structure with others.
+
+    frame: a babbling table. gaits: the repertoire; by default the model's or the recorded robot's.
+    model: its gaits, bins and structure are assessed, and its own tables are scored on ``frame`` too.
+    folds: 2 to the number of rows. seed: of the folds and the shuffles; same seed, same numbers.
+    prior: Dirichlet pseudo-count per cell of every table that is fitted here, >= 0.
+    axes: bins; by default the model's or ``EffectAxes.standard``. Coarser bins make sparse structures
+        comparable; log-losses of different bins are not.
+    structures: compared with "naive"; by default all that the table allows.
+    permutations: shuffles of each independence test, >= 1.
+
+    Raises DataError for a table that is not one, InputError for settings out of range.
+    """
+    _check(model, axes, seed, prior, permutations)
+    repertoire = _repertoire(frame, gaits, model)
+    grid = axes or (model.axes if model is not None else EffectAxes.standard(repertoire.body_length))
+    rows = CodedRows.of(frame, repertoire, grid)
+    if model is not None and depends_on_previous(model.structure) and not rows.has_previous:
+        raise InputError("the model depends on the gait before, and the table has no column previous_gait")
+    others, notes = _others(rows, structures)
+    for_folds, for_shuffles = np.random.SeedSequence(seed).spawn(2)
+    fold = rows.folds(folds, np.random.default_rng(for_folds))
+    naive = scores.held_out(rows, NAIVE, fold, prior, every_score=True)
+    comparison, found = compare(rows, others, fold, prior, naive)
+    structure = NAIVE if model is None else model.structure
+    predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
+    return Assessment(
+        settings={
+            "rows": len(frame), "folds": int(folds), "seed": int(seed), "prior": float(prior),
+            "permutations": int(permutations), "bins": {axis.name: axis.bins for axis in rows.axes},
+            "structure": structure.name,
+        },
+        variables=scores.variable_scores(rows, predicted, fold, prior),
+        reliability=scores.reliability(rows, predicted),
+        gaits=_gait_scores(rows, predicted),
+        confusion=scores.confusion(rows, predicted.gaits),
+        independence=independence(rows, permutations, for_shuffles),
+        structures=comparison,
+        found=found,
+        given=None if model is None else _given(model, frame, rows),
+        notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]:
+    executed = rows.column("Gait")
+    facts = {
+        "accuracy": scores.accuracy(rows, predicted.gaits),
+        "log_loss": scores.log_loss(predicted.gaits, executed),
+        "brier": scores.brier(predicted.gaits, executed),
+    }
+    if predicted.gaits_with_heading is not None:
+        facts["accuracy_with_heading"] = scores.accuracy(rows, predicted.gaits_with_heading)
+    return facts
+
+
+def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[str, Any]:
+    """Scores of a model's own tables: held out only if it has not counted these rows; None where nobody knows."""
+    probability = _own_probability(model, rows)
+    possible = probability > 0
+    with np.errstate(divide="ignore"):
+        log_loss = float(-np.log(probability).mean())
+    return {
+        "structure": model.structure.name,
+        "prior": model.prior if model.has_counts else None,
+        "log_loss": log_loss,
+        "impossible": int((~possible).sum()),
+        "log_loss_of_possible": float(-np.log(probability[possible]).mean()) if possible.any() else math.nan,
+        "same_rows": _counted(model) == counts_for(model.structure).of(frame, model.gaits, model.axes)
+        if model.has_counts
+        else None,
+    }
+
+
+def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
+    """P(Distance, Angle, Heading | Gait) [N] of each row, given the gait before as well if the model depends on it."""
+    seen, names = rows.codes[:, -4:], model.gaits.names
+    inside = seen[:, 1] < model.axes.distance.bins
+    before = rows.column(PREVIOUS) if depends_on_previous(model.structure) else np.full(len(seen), len(names))
+    chosen = model.probabilities("Gait")
+    probability = np.zeros(len(seen))
+    for state in np.unique(before[inside]).tolist():
+        mine = inside & (before == state)
+        gait, *bins = seen[mine].T
+        joint = model.after(names[state] if state < len(names) else None).evidence(*bins)
+        # a gait of probability 0 does nothing
+        joint = np.divide(joint, chosen, out=np.zeros_like(joint), where=chosen > 0)
+        probability[mine] = joint[np.arange(len(joint)), gait]
+    return probability
+
+
+def _counted(model: ForwardModel) -> JointCounts | PreviousCounts:
+    return model.by_previous if isinstance(model, PreviousGaitModel) else model.joint
+
+
+def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
+    if gaits is not None:
+        return GaitRepertoire.of(gaits)
+    return model.gaits if model is not None else recorded_robot(frame).gaits
+
+
+def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str], list[str]]:
+    """The structures to compare with the paper's, and what to say about those left out."""
+    for name in structures or ():
+        if name not in STRUCTURES:
+            raise InputError(f"unknown structure {name!r}: expected one of {', '.join(STRUCTURES)}")
+    if structures is not None and "previous_gait" in structures and not rows.has_previous:
+        raise InputError("structure 'previous_gait': the table has no column previous_gait")
+    wanted = [name for name in STRUCTURES if name != "naive" and (structures is None or name in structures)]
+    if rows.has_previous:
+        return wanted, []
+    kept = [name for name in wanted if name != "previous_gait"]
+    return kept, ["The table does not say which gait went before, so previous_gait is left out."]
+
+
+def _check(model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior: Any, permutations: Any) -> None:
+    if model is not None and axes is not None:
+        raise InputError("give a model or axes, not both: the model brings its own bins")
+    for name, value, least in (("seed", seed, 0), ("permutations", permutations, 1)):
+        check_whole(value, name, least)
+    if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)) or not 0 <= prior < math.inf:
+        raise InputError(f"prior: expected a finite pseudo-count >= 0, got {prior!r}")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

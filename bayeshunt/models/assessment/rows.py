@@ -1,0 +1,91 @@
+"""A babbling table as bin numbers, and its split into folds: what every score of ``assess`` works on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.data import babbling_table
+from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.tables.structures import CAUSES, PREVIOUS
+
+#: State of PreviousGait in a row that no gait went before.
+NO_GAIT = "(none)"
+
+
+@dataclass(frozen=True, eq=False)
+class CodedRows:
+    """The rows of a babbling table as state numbers.
+
+    gaits, axes: what the numbers mean; the distance axis reaches the farthest row.
+    codes: int64 [N, V], columns ``names``. has_previous: whether the table knows the gait before.
+    """
+
+    gaits: GaitRepertoire
+    axes: EffectAxes
+    codes: np.ndarray
+    has_previous: bool
+
+    @classmethod
+    def of(cls, frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes) -> CodedRows:
+        """Discretise a babbling table; raises DataError if it is not one, or if a gait before is unknown."""
+        babbling_table.validate(frame, gaits.names)
+        codes = babbling_table.discretise(frame, gaits, axes)
+        axes = axes.extended(int(codes[:, 1].max()) + 1)
+        has_previous = "previous_gait" in frame.columns and bool(frame["previous_gait"].notna().any())
+        if has_previous:
+            codes = np.column_stack([_previous(frame["previous_gait"], gaits), codes])
+        return cls(gaits, axes, codes, has_previous)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The variables, in the order of the columns."""
+        return (*CAUSES, *EFFECTS) if self.has_previous else ("Gait", *EFFECTS)
+
+    @property
+    def states(self) -> dict[str, list[str]]:
+        """Names of the states of each variable."""
+        labels = {"Gait": list(self.gaits.names), **{axis.name: list(axis.labels) for axis in self.axes}}
+        return {PREVIOUS: [*self.gaits.names, NO_GAIT], **labels} if self.has_previous else labels
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Number of states of each variable."""
+        return {name: len(states) for name, states in self.states.items()}
+
+    def column(self, name: str) -> np.ndarray:
+        """State numbers [N] of one variable."""
+        return self.codes[:, self.names.index(name)]
+
+    def count(self, chosen: np.ndarray | slice = slice(None)) -> CountedCells:
+        """Count the rows chosen by a mask or slice."""
+        sizes = self.sizes
+        return CountedCells.of_rows(self.names, [sizes[name] for name in self.names], self.codes[chosen])
+
+    def folds(self, number: int, rng: np.random.Generator) -> np.ndarray:
+        """Return the fold [N] of each row, 0 to ``number - 1``: at random, each gait spread evenly.
+
+        Raises InputError unless 2 <= number <= rows.
+        """
+        if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or not 2 <= number <= len(self.codes):
+            raise InputError(f"folds: expected a whole number from 2 to {len(self.codes)} (the rows), got {number!r}")
+        order = np.lexsort((rng.random(len(self.codes)), self.column("Gait")))
+        fold = np.empty(len(order), dtype=np.int64)
+        fold[order] = np.arange(len(order)) % number
+        return fold
+
+
+def _previous(names: pd.Series, gaits: GaitRepertoire) -> np.ndarray:
+    """State numbers [N] of the gait before; the last state where there was none."""
+    known = names.notna().to_numpy()
+    strange = known & ~names.isin(gaits.names).to_numpy()
+    if strange.any():
+        row = int(strange.argmax())
+        raise DataError(f"row {row}: previous_gait {names.iloc[row]!r} is not in the repertoire")
+    position = {name: index for index, name in enumerate(gaits.names)}
+    return np.array([position.get(name, len(gaits)) for name in names], dtype=np.int64)

@@ -1,0 +1,244 @@
+"""The inverse model: which gait leads there, P(Gait | Distance, Angle [, Heading]).
+
+The forward model read backwards by Bayes' rule (the paper, section "Inverse model"):
+``P(G | D, A) = P(G) P(D | G) P(A | G) / P(D, A)``. A target that no babbled row reached is replaced
+by the nearest learned coordinate, nearest in metres. Everything is compiled once per model.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core import displays
+from bayeshunt.core.checks import check_kind, check_number, check_numbers
+from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
+from bayeshunt.core.gaits import Gait
+from bayeshunt.core.geometry import wrap
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.nearest import FARTHEST, RINGS, SECTORS, CellFinder
+from bayeshunt.models.body.posterior import Cell, CellPosterior, Posterior
+from bayeshunt.models.tables.structures import PREVIOUS, depends_on_previous
+
+_PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
+_floor = math.floor
+_make = tuple.__new__
+#: Angular distances [rad] closer than this are ties.
+_TIE = 1e-9
+
+
+class InverseModel:
+    """P(Gait | Distance, Angle [, Heading]) of a forward model; immutable.
+
+    Learned coordinates are the (Distance, Angle) cells that babbled rows fell into; in an imported
+    network, which has no rows, the cells of positive probability.
+    Letters: M learned coordinates, G gaits.
+
+    Raises ZeroCountError if the forward model has counted nothing.
+    """
+
+    def __init__(self, model: ForwardModel) -> None:
+        check_kind(model, "model", ForwardModel, "a ForwardModel")
+        self._cells = model.learned_cells  # [M, 2], sorted
+        if not len(self._cells):
+            raise ZeroCountError("the forward model has counted nothing, so it has no inverse; babble first")
+        self.model = model
+        distance, angle, _ = model.axes
+        self._distance_width, self._distance_bins = distance.width, distance.bins
+        self._angle_width, self._angle_edge = angle.width, angle.edges[0].item()
+        self._values, self._evidence = self._compile()
+        self._sources = [self._source(row) for row in range(len(self._cells))]
+        self._finder = CellFinder(distance, angle, self._cells, self._sources)
+        self._rings, self._build = self._finder.rows, self._finder.build
+        self._known: dict[tuple[int, int, int | None], CellPosterior | None] = {
+            (source.cell.distance_bin, source.cell.angle_bin, None): source for source in self._sources
+        }
+        self._heading_counts: dict[tuple[int, int, int], int] | None = None
+        self._depends = depends_on_previous(model.structure) or PREVIOUS in model.known
+        self._after: dict[str, InverseModel] = {}
+
+    def after(self, previous_gait: Gait | str | None) -> InverseModel:
+        """Return P(Gait | Distance, Angle [, Heading], PreviousGait): the inverse of ``model.after(previous_gait)``.
+
+        None: nothing is known of the gait before. The same inverse, whatever is given, unless the
+        structure is "previous_gait". Learned coordinates are those reached right after that gait. Remembered.
+        Raises InputError for a gait that is not in the repertoire.
+        """
+        if not self._depends:  # every decision of a reactive hunter passes here
+            return self
+        part = self.model.after(previous_gait)
+        if part is self.model:
+            return self
+        name = part.known.get(PREVIOUS, "")
+        if name not in self._after:
+            self._after[name] = InverseModel(part)
+        return self._after[name]
+
+    def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
+        """Return P(Gait | evidence) for a target in the robot's frame.
+
+        distance: metres, >= 0. angle, heading: radians clockwise; any finite value, it is wrapped.
+        snap: use the target's own (Distance, Angle) cell if babbling reached it, else the learned
+            cell whose centre is nearest in metres (ties: lowest index). If a heading is given and
+            has probability 0 there, the nearest heading bin that has not.
+
+        Raises InputError for a number out of range, and with ``snap=False``
+        ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
+        """
+        try:
+            d, a = float(distance), float(angle)
+        except (TypeError, ValueError):  # no check beforehand: this is the innermost loop of a hunt
+            raise InputError(f"target: expected two numbers, got {shown(distance)} and {shown(angle)}") from None
+        if not (0.0 <= d <= FARTHEST and -_INF < a < _INF):
+            raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
+        # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
+        d_bins = d / self._distance_width
+        ring = int(d_bins * RINGS) if d_bins < self._distance_bins else self._finder.far_ring(d_bins)
+        a_bins = ((a if -_PI < a <= _PI else wrap(a)) - self._angle_edge) / self._angle_width
+        source, snapped = (self._rings[ring] or self._build(ring))[_floor(a_bins * SECTORS)]
+        if source is None:
+            source, snapped = self._finder.settle(snapped, d, d * math.cos(a), d * math.sin(a)), True
+        if heading is None and snap:
+            return _make(Posterior, (source, d, a, None, snapped))
+        return self._careful(Posterior(source, d, a, heading, snapped), snap)
+
+    def posterior_many(self, distances: Any, angles: Any) -> np.ndarray:
+        """Return float64 [N, G]: the values of :meth:`posterior` (snapping) for N targets at once.
+
+        distances [m] >= 0 and angles [rad clockwise]: arrays [N], or a scalar beside an array.
+        Raises InputError for a number out of range.
+        """
+        d, a = check_numbers(distances, "distances"), check_numbers(angles, "angles")
+        try:
+            d, a = np.broadcast_arrays(d, a)
+        except ValueError:
+            raise InputError(f"targets: {d.size} distances and {a.size} angles; expected as many of both") from None
+        d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
+        if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and a.min() > -_INF and a.max() < _INF):
+            raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
+        return np.take(self._values, self._finder.find_many(d, a), axis=0)
+
+    def table(self) -> pd.DataFrame:
+        """Return the whole posterior table, one row per learned cell, in order of distance and angle.
+
+        Columns: distance [m], angle [rad] (cell centres), support (rows; all missing, as Int64, in an
+        imported network), evidence_probability, and one column per gait.
+        """
+        cells = [source.cell for source in self._sources]
+        support = [source.support for source in self._sources]
+        frame = pd.DataFrame(
+            {
+                "distance": [cell.distance for cell in cells],
+                "angle": [cell.angle for cell in cells],
+                "support": support if self.model.has_counts else pd.array(support, dtype="Int64"),
+                "evidence_probability": self._evidence,
+            }
+        )
+        return pd.concat([frame, pd.DataFrame(self._values, columns=list(self.model.gaits.names))], axis=1)
+
+    def __repr__(self) -> str:
+        learned = "learned " if self.model.has_counts else ""
+        return f"<InverseModel: {len(self._cells)} {learned}coordinates, {len(self.model.gaits)} gaits>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return InverseModel, (self.model,)
+
+    # --- inside -------------------------------------------------------------------------------
+
+    def _joint(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
+        """P(Gait, evidence) [..., G] of the given bins."""
+        return self.model.evidence(distance_bins, angle_bins, heading_bins)
+
+    def _compile(self) -> tuple[np.ndarray, np.ndarray]:
+        """Posterior [M, G] and P(evidence) [M] of every learned cell."""
+        joint = self._joint(self._cells[:, 0], self._cells[:, 1])
+        evidence = joint.sum(axis=1)
+        values = joint / evidence[:, None]
+        values.setflags(write=False)
+        return values, evidence
+
+    def _source(self, row: int) -> CellPosterior:
+        d_bin, a_bin = self._cells[row].tolist()
+        cell, support = self._cell(d_bin, a_bin, None), self._support((d_bin, a_bin, None))
+        return CellPosterior(cell, self.model, self._values[row], float(self._evidence[row]), support)
+
+    def _cell(self, d_bin: int, a_bin: int, h_bin: int | None) -> Cell:
+        distance, angle, heading = self.model.axes
+        place = (distance.centres[d_bin].item(), angle.centres[a_bin].item())
+        cell = Cell(d_bin, a_bin, *place, distance.labels[d_bin], angle.labels[a_bin])
+        if h_bin is None:
+            return cell
+        return cell._replace(
+            heading_bin=h_bin, heading=heading.centres[h_bin].item(), heading_label=heading.labels[h_bin]
+        )
+
+    def _careful(self, found: Posterior, snap: bool) -> Posterior:
+        """The answer when a heading is given or snapping is forbidden; ``found`` has the cell used."""
+        source, d, a, heading, snapped = found
+        h = None if heading is None else check_number(heading, "target heading", "a finite angle [rad]")
+        axes = self.model.axes
+        h_bin = None if h is None else axes.heading.index(h)
+        if not snap:
+            place = (axes.distance.index(d), axes.angle.index(a))
+        else:
+            place = (source.cell.distance_bin, source.cell.angle_bin)
+        answer = self._evidence_source(*place, h_bin)
+        if answer is None and snap and h is not None:
+            answer, snapped = self._evidence_source(*place, self._nearest_heading(source.cell, h)), True
+        if answer is None:
+            raise ImpossibleEvidenceError(_impossible(d, a, h))
+        return Posterior(answer, d, a, h, snap and snapped)
+
+    def _evidence_source(self, d_bin: int, a_bin: int, h_bin: int | None) -> CellPosterior | None:
+        """The posterior given exactly these bins, or None where P(evidence) = 0. Remembered."""
+        if d_bin >= self._distance_bins:
+            return None
+        key = (d_bin, a_bin, h_bin)
+        if key not in self._known:
+            joint = self._joint(d_bin, a_bin, h_bin)
+            total = joint.sum()
+            self._known[key] = None
+            if total > 0:
+                values = joint / total
+                values.setflags(write=False)
+                cell = self._cell(d_bin, a_bin, h_bin)
+                self._known[key] = CellPosterior(cell, self.model, values, float(total), self._support(key))
+        return self._known[key]
+
+    def _support(self, key: tuple[int, int, int | None]) -> int | None:
+        """Rows that fell into these bins; None where nobody knows."""
+        if not self.model.has_counts:
+            return None
+        d_bin, a_bin, h_bin = key
+        if h_bin is None:
+            return int(self.model.joint.support[d_bin, a_bin])
+        if self._heading_counts is None:
+            self._heading_counts = {}
+            for cell, count in zip(self.model.joint.cells.tolist(), self.model.joint.counts.tolist(), strict=True):
+                place = (cell[1], cell[2], cell[3])
+                self._heading_counts[place] = self._heading_counts.get(place, 0) + count
+        return self._heading_counts.get((d_bin, a_bin, h_bin), 0)
+
+    def _nearest_heading(self, cell: Cell, heading: float) -> int:
+        """The heading bin nearest to ``heading`` of those possible in ``cell`` (ties: lowest)."""
+        bins = np.arange(self.model.axes.heading.bins)
+        possible = self._joint(cell.distance_bin, cell.angle_bin, bins).sum(axis=1) > 0
+        gaps = np.abs(wrap(self.model.axes.heading.centres - heading))
+        gaps = np.where(possible, gaps, np.inf)
+        return int(np.flatnonzero(gaps <= gaps.min() + _TIE)[0])
+
+
+def _impossible(d: float, a: float, h: float | None) -> str:
+    asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g} deg"
+    asked += "" if h is None else f", Heading = {math.degrees(h):g} deg"
+    mend = "leave out --no-snap (snap=False) to get the nearest learned cell"
+    return f"P({asked}) = 0 under this model: no gait does that; {mend}"

@@ -1,0 +1,218 @@
+"""Answers of the inverse model: a posterior over gaits, and everything that says how good it is."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core import displays
+from bayeshunt.core.geometry import Polar, wrap
+
+if TYPE_CHECKING:
+    from bayeshunt.models.body.forward import ForwardModel
+
+
+class Cell(NamedTuple):
+    """A learned coordinate: the bins used as evidence, their centres and their labels.
+
+    distance [m], angle and heading [rad, clockwise] are bin centres; the heading fields are None
+    where no heading was asked.
+    """
+
+    distance_bin: int
+    angle_bin: int
+    distance: float
+    angle: float
+    distance_label: str
+    angle_label: str
+    heading_bin: int | None = None
+    heading: float | None = None
+    heading_label: str | None = None
+
+    @property
+    def evidence(self) -> dict[str, str]:
+        """Variable -> state label, as pgmpy takes evidence."""
+        known = {"Distance": self.distance_label, "Angle": self.angle_label}
+        return known if self.heading_label is None else {**known, "Heading": self.heading_label}
+
+
+class CellPosterior:
+    """P(Gait | evidence) of one cell, made once and shared by every answer that uses the cell.
+
+    values: read-only float64 [G]; evidence_probability: P(evidence); support: babbled rows in the
+    cell, None if unknown; best: the most probable gait (ties: first in table order); model: the
+    tables it comes from.
+    """
+
+    __slots__ = ("best", "cell", "evidence_probability", "gaits", "model", "support", "values")
+
+    def __init__(
+        self, cell: Cell, model: ForwardModel, values: np.ndarray, probability: float, support: int | None
+    ) -> None:
+        self.model = model
+        self.gaits = gaits = model.gaits.names
+        self.cell = cell
+        self.values = values
+        self.evidence_probability = probability
+        self.support = support
+        self.best = gaits[int(np.argmax(values))]
+
+
+class Posterior(NamedTuple):
+    """One answer: P(Gait | Distance, Angle [, Heading]) and the evidence that it rests on.
+
+    source: the posterior of the cell used. distance [m], angle, heading [rad]: what was asked.
+    snapped: the cell used is not the one that the question falls into.
+    """
+
+    source: CellPosterior
+    distance: float
+    angle: float
+    heading: float | None
+    snapped: bool
+
+    @property
+    def values(self) -> np.ndarray:
+        """Read-only float64 [G], in table order."""
+        return self.source.values
+
+    @property
+    def probabilities(self) -> pd.Series:
+        """P(Gait | evidence) by gait name."""
+        index = pd.Index(self.source.gaits, name="Gait")
+        return pd.Series(self.source.values.copy(), index=index, name="probability")
+
+    @property
+    def evidence_probability(self) -> float:
+        """P(Distance, Angle [, Heading]) under the model; the posterior rests on little where it is tiny.
+
+        Of a model that is given the gait before (:attr:`evidence` then names it): the probability after that gait.
+        """
+        return self.source.evidence_probability
+
+    @property
+    def support(self) -> int | None:
+        """Babbled rows that fell into the cell used; None where nobody knows: in an imported network."""
+        return self.source.support
+
+    @property
+    def cell(self) -> Cell:
+        """The learned coordinate used."""
+        return self.source.cell
+
+    @property
+    def evidence(self) -> dict[str, str]:
+        """Variable -> state label, as pgmpy takes evidence; with the gait before, where the model is given it."""
+        return {**self.source.cell.evidence, **self.source.model.known}
+
+    @property
+    def target(self) -> Polar:
+        """What was asked; the heading is None if none was given."""
+        return Polar(self.distance, self.angle, self.heading)
+
+    @property
+    def gap(self) -> float:
+        """Metres from the target to the centre of the learned coordinate used; within half a bin unless snapped."""
+        used = Polar(self.cell.distance, self.cell.angle, None)
+        return math.hypot(self.target.forward - used.forward, self.target.right - used.right)
+
+    @property
+    def heading_gap(self) -> float | None:
+        """Radians, >= 0, from the heading asked to the one used; None if none was asked."""
+        if self.heading is None or self.cell.heading is None:
+            return None
+        return abs(float(wrap(self.heading - self.cell.heading)))
+
+    @property
+    def farthest(self) -> float:
+        """Metres: the far edge of the farthest learned coordinate; nothing beyond it was ever reached."""
+        return float(self.model.axes.distance.edges[self.model.learned_cells[:, 0].max() + 1])
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the target lies farther away than everything ever reached (:attr:`farthest`)."""
+        return self.distance >= self.farthest
+
+    @property
+    def asked(self) -> str:
+        """The target in words: "160 mm, 28.6 deg"; its heading too, where one was asked."""
+        heading = "" if self.heading is None else f", heading {_degrees(self.heading)}"
+        return f"{_length(self.distance)}, {_degrees(self.angle)}{heading}"
+
+    @property
+    def missed_by(self) -> str:
+        """How far the coordinate used is from the target: "15.8 m away, heading 112 deg off"; "" unless snapped."""
+        place, heading = self._misses()
+        away = [f"{_length(place)} away"] if place is not None else []
+        return ", ".join([*away, *([f"heading {_degrees(heading)} off"] if heading is not None else [])])
+
+    def _misses(self) -> tuple[float | None, float | None]:
+        """Metres and radians by which place and heading were missed; None for one that is in its own bin."""
+        if not self.snapped:
+            return None, None
+        axes, cell = self.model.axes, self.cell
+        moved = (axes.distance.index(self.distance), axes.angle.index(self.angle)) != cell[:2]
+        turned = self.heading is not None and axes.heading.index(self.heading) != cell.heading_bin
+        return (self.gap if moved else None), (self.heading_gap if turned else None)
+
+    @property
+    def best(self) -> str:
+        """Name of the most probable gait; ties go to the first in table order."""
+        return self.source.best
+
+    @property
+    def model(self) -> ForwardModel:
+        """The forward model whose tables were read backwards."""
+        return self.source.model
+
+    def explain(self, reference: str = "rival") -> pd.DataFrame:
+        """Return what each variable said: the log-odds of each gait as a sum, one row per gait.
+
+        reference: the gait that each is compared with: "rival" (the most probable of the others) or
+            the name of a gait of probability > 0.
+
+        Columns: probability; reference; prior, Distance, Angle, Heading: the parts, natural
+        logarithms of ratios (positive speaks for the gait, 0 where no heading was asked, -inf where
+        the gait was never seen there); log_odds: log P(gait | evidence) / P(reference | evidence),
+        the sum of the parts.
+
+        Raises InputError for an unknown reference, one of probability 0, or a single gait.
+        """
+        from bayeshunt.models.body.explain import explain
+
+        return explain(self.model, self, reference)
+
+    def __repr__(self) -> str:
+        evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())
+        best = float(self.values.max())
+        support = "support unknown" if self.support is None else f"{self.support} rows"
+        return f"<Posterior: {self.best} {best:.3f} given {evidence}{self._snap()}; {support}>"
+
+    def _snap(self) -> str:
+        """What was asked and how far off the answer is, as short as can be; "" unless snapped."""
+        if not self.snapped:
+            return ""
+        angles = [_degrees(value, 0) for value in (self.angle, self.heading) if value is not None]
+        place, heading = self._misses()
+        missed = [_length(place)] if place is not None else []
+        missed += [f"{'' if missed else 'heading '}{_degrees(heading, 0)}"] if heading is not None else []
+        return f", for {', '.join([_length(self.distance), *angles])} ({', '.join(missed)} off)"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+
+def _length(metres: float) -> str:
+    """A length for people: "160 mm", "15.8 m"."""
+    return f"{metres:.3g} m" if metres >= 1.0 else f"{1000.0 * metres:.3g} mm"
+
+
+def _degrees(radians: float, digits: int = 1) -> str:
+    """An angle for people: "28.6 deg"; never "-0 deg"."""
+    return f"{round(math.degrees(radians), digits) + 0.0:g} deg"

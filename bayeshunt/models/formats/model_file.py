@@ -1,0 +1,237 @@
+"""The model file: JSON that anyone can open, sealed by a checksum, written all or nothing.
+
+``content`` holds what defines a model (gaits, axes, counts, fixed-point sums, prior, provenance);
+every probability is derived from it. Keys are sorted and numbers written in full, so that the same
+model gives the same bytes and comes back bit for bit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
+from bayeshunt.core.errors import BayesHuntError, InputError, ModelFileError
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.files.atomic import check_source, replace_atomically
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.previous import PreviousGaitModel
+from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS, JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
+
+#: What the file says it is.
+KIND = "bayeshunt forward model"
+#: The command that makes one.
+MAKER = "bayeshunt fit babbling.parquet"
+#: Newest version of the layout of ``content``: cells and pose sums by the gait before.
+FORMAT = 3
+#: What a model that does not depend on the gait before is written in, so that older programs can read it.
+_FORMAT_WITHOUT_PREVIOUS = 2
+#: Layouts that can be read: format 1 had no "structure" and held the paper's.
+READABLE = (1, 2, 3)
+
+_MEND = "give a file made by: bayeshunt fit"
+
+
+def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
+    """Write ``model``; the file is read back and compared before it takes its name.
+
+    Raises BayesHuntError if the folder cannot be written or the provenance is not JSON.
+    """
+    text = dumps(model)
+    with replace_atomically(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+        if load(temporary) != model:
+            raise BayesHuntError(f"{os.fspath(path)}: the model did not come back as it was written")
+
+
+def load(path: str | os.PathLike[str]) -> ForwardModel:
+    """Read a model file.
+
+    Raises ModelFileError in one line: missing, unreadable, not JSON, another kind of file, a newer
+    format, edited (checksum), or malformed.
+    """
+    name = check_source(path, MAKER, ModelFileError)
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise ModelFileError(f"{name}: not a {KIND} (not a text file); {_MEND}") from None
+    return loads(text, name)
+
+
+def dumps(model: ForwardModel) -> str:
+    """Return the text of the model file: deterministic, one counted cell per line.
+
+    Raises InputError for an imported network, which has no counts to hold.
+    """
+    if not model.has_counts:
+        raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
+    content = _content(model)
+    version = FORMAT if isinstance(model, PreviousGaitModel) else _FORMAT_WITHOUT_PREVIOUS
+    seal = {"kind": KIND, "format": version, "checksum": _checksum(content)}
+    head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in seal.items()]
+    body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
+    return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
+
+
+def loads(text: str, name: str = "model") -> ForwardModel:
+    """Return the model in ``text``; ``name`` is what errors call it. Raises ModelFileError."""
+    try:
+        record = json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        reason = str(error).splitlines()[0]
+        raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason})") from None
+    if not isinstance(record, dict) or record.get("kind") != KIND:
+        raise ModelFileError(f"{name}: not a {KIND}; {_MEND}")
+    version = record.get("format")
+    if isinstance(version, int) and version > FORMAT:
+        raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")
+    if isinstance(version, bool) or version not in READABLE:
+        raise ModelFileError(f"{name}: format is {version!r}; expected {' or '.join(map(str, READABLE))}")
+    content: Any = record.get("content")
+    if record.get("checksum") != _checksum(content):
+        raise ModelFileError(f"{name}: checksum does not match: the file was edited or damaged; fit it again")
+    try:
+        return _model(content, NAIVE if version == 1 else _structure(content["structure"]))
+    except (KeyError, TypeError, ValueError, OverflowError, BayesHuntError) as error:
+        reason = (str(error).splitlines() or [""])[0]
+        raise ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason})") from None
+
+
+# --- a model as plain numbers ----------------------------------------------------------------------
+
+
+def _content(model: ForwardModel) -> dict[str, Any]:
+    gaits, table = model.gaits, model.counted_cells
+    sums = _sums_by_previous(model.by_previous) if isinstance(model, PreviousGaitModel) else model.joint.sums
+    return {
+        "axes": {axis.name: _axis_record(axis) for axis in model.axes},
+        "body_length": gaits.body_length,
+        "cells": np.column_stack([table.cells, table.counts]).tolist(),
+        "cells_columns": [*table.names, "count"],
+        "duration": gaits.duration,
+        "gait_prior": model.gait_prior,
+        "gaits": [{"name": gait.name, "command": list(gait.command)} for gait in gaits],
+        "pose_sums": sums.tolist(),
+        "prior": model.prior,
+        "provenance": _plain(dict(model.provenance)),
+        "structure": {"name": model.structure.name, "edges": [list(edge) for edge in model.structure.edges]},
+    }
+
+
+def _sums_by_previous(counts: PreviousCounts) -> np.ndarray:
+    """Pose sums [G, G, P + 1, 4] by the gait before; 0 where nothing was counted."""
+    shape = max(part.sums.shape for part in counts.after)
+    return np.stack([part.sums if part.total else np.zeros(shape, dtype=np.int64) for part in counts.after])
+
+
+def _axis_record(axis: Axis) -> dict[str, Any]:
+    return {
+        "width": axis.width, "bins": axis.bins, "circular": axis.circular, "labels": list(axis.labels)
+    }  # fmt: skip
+
+
+def _plain(provenance: dict[str, Any]) -> Any:
+    try:
+        return json.loads(json.dumps(provenance, allow_nan=False))
+    except (TypeError, ValueError) as error:
+        raise BayesHuntError(f"the model's provenance cannot be stored as JSON: {error}") from None
+
+
+def _layout(key: str, value: Any) -> str:
+    if key in ("cells", "gaits", "pose_sums"):
+        rows = ",\n  ".join(json.dumps(row, sort_keys=True) for row in value)
+        return f"[\n  {rows}]"
+    return json.dumps(value, sort_keys=True)
+
+
+def _checksum(content: Any) -> str:
+    """SHA-256 over the content in canonical form: layout and key order do not matter, values do."""
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(canonical.encode()).hexdigest()
+
+
+# --- plain numbers as a model ----------------------------------------------------------------------
+
+
+def _model(content: Any, structure: Structure) -> ForwardModel:
+    gaits = GaitRepertoire(
+        tuple(Gait(str(g["name"]), tuple(float(v) for v in g["command"])) for g in content["gaits"]),
+        body_length=float(content["body_length"]),
+        duration=float(content["duration"]),
+    )
+    axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
+    settings = (content["prior"], content["gait_prior"], dict(content["provenance"]))
+    if depends_on_previous(structure):
+        if structure != PREVIOUS_GAIT:
+            raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
+        rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 4)
+        counts = _previous_counts(rows.reshape(-1, 6), sums, gaits, axes)
+        return PreviousGaitModel(counts.joint, *settings, by_previous=counts)
+    rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
+    return ForwardModel(_joint_counts(rows.reshape(-1, 5), sums, gaits, axes), *settings, structure=structure)
+
+
+def _joint_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> JointCounts:
+    """Counts from rows [K, 5] of (Gait, Distance, Angle, Heading, count) and pose sums [G, P + 1, 4]."""
+    _check_rows(rows, (len(gaits), *axes.shape))
+    if sums.shape[0] != len(gaits) or sums.shape[2] != 4:
+        raise ValueError(f"pose_sums has shape {sums.shape}")
+    return JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
+
+
+def _previous_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> PreviousCounts:
+    """Counts from rows [K, 6], PreviousGait first, and pose sums [G, G, P + 1, 4]."""
+    _check_rows(rows, (len(gaits), len(gaits), *axes.shape))
+    if sums.shape[:2] != (len(gaits), len(gaits)):
+        raise ValueError(f"pose_sums has shape {sums.shape}")
+    after = []
+    for before in range(len(gaits)):
+        part = rows[rows[:, 0] == before, 1:]
+        after.append(_joint_counts(part, sums[before], gaits, axes) if len(part) else JointCounts.empty(gaits, axes))
+    return PreviousCounts(tuple(after))
+
+
+def _structure(record: dict[str, Any]) -> Structure:
+    return Structure(record["name"], tuple((parent, child) for parent, child in record["edges"]))
+
+
+def _axis(name: str, record: dict[str, Any]) -> Axis:
+    bins, circular = record["bins"], record["circular"]
+    if not _is_whole(bins) or bins > MAX_DISTANCE_BINS or circular is not (name != "Distance"):
+        raise ValueError(f"axis {name}: {bins!r} bins, circular {circular!r}")
+    axis = Axis(name, float(record["width"]), bins, circular)
+    if record["labels"] != list(axis.labels):
+        raise ValueError(f"axis {name}: labels do not fit its bins")
+    return axis
+
+
+def _check_rows(rows: np.ndarray, shape: tuple[int, ...]) -> None:
+    cells = rows[:, :-1]
+    if np.any(cells < 0) or np.any(cells >= np.array(shape)) or np.any(rows[:, -1] < 1):
+        raise ValueError("a counted cell lies outside the table or has no count")
+    if np.any(np.diff(np.ravel_multi_index(tuple(cells.T), shape)) <= 0):
+        raise ValueError("counted cells must be sorted and unique")
+
+
+def _whole(value: Any, dimensions: int) -> np.ndarray:
+    array = np.array(value)
+    if array.size and (array.dtype != np.int64 or array.ndim != dimensions):
+        raise ValueError(f"expected whole numbers in {dimensions} dimensions")
+    return array.astype(np.int64)
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"{constant} is not a number")

@@ -1,0 +1,50 @@
+"""One table of a model with everything behind its numbers: probability, count, credible interval."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from bayeshunt.core import displays
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProbabilityTable:
+    """P(variable | Gait) as it is shown: four frames of one shape, rows = bins, columns = gaits.
+
+    variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
+    probability: columns sum to 1. count: the rows behind each probability.
+    low, high: bounds of each cell's Dirichlet credible interval at ``level``; None for a P(Gait) that is set to
+        uniform, which nobody estimated.
+    prior: Dirichlet pseudo-count per cell of the probabilities.
+    known: states of other variables that the table is conditioned on, {"PreviousGait": name}.
+    In an imported network nobody knows count, low, high and prior: they are None.
+    """
+
+    variable: str
+    probability: pd.DataFrame
+    count: pd.DataFrame | None
+    low: pd.DataFrame | None
+    high: pd.DataFrame | None
+    level: float
+    prior: float | None
+    known: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """What the table is: "P(Distance | Gait)", "P(Distance | Gait, PreviousGait = straight)"."""
+        given = ["Gait", *(f"{variable} = {state}" for variable, state in self.known.items())]
+        return "P(Gait)" if self.variable == "Gait" else f"P({self.variable} | {', '.join(given)})"
+
+    def __repr__(self) -> str:
+        bins, columns = self.probability.shape
+        rows = "counts unknown" if self.count is None else f"{int(self.count.to_numpy().sum())} rows"
+        return f"<{self.name}: {bins} x {columns}, {rows}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)

@@ -1,0 +1,253 @@
+"""The prey model: how often each pose transition of the prey was seen, learned online.
+
+A transition is the prey's pose after one time-step in its own frame one time-step earlier (the
+paper, section "Prey model"). This is the one model of the project that changes in place.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core import displays, statistics
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.checks import check_generator, check_whole
+from bayeshunt.core.errors import InputError, NothingObservedError
+from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+
+#: Body length [m] of the default distance bins: a Khepera.
+BODY_LENGTH = 0.057
+#: Sums are whole numbers of 2**-60, so that the order of observations cannot change a bit.
+_UNIT = 1 << 60
+
+
+class PreyModel:
+    """Joint counts of (Distance, Angle, Heading) transitions; mutable: :meth:`observe` adds one.
+
+    axes: bins; the distance grid is open-ended. Default ``EffectAxes.standard(0.057)``.
+    """
+
+    def __init__(self, axes: EffectAxes | None = None) -> None:
+        self.axes = axes if axes is not None else EffectAxes.standard(BODY_LENGTH)
+        self._counts: dict[tuple[int, int, int], int] = {}
+        self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
+        self._observations = 0
+
+    # --- learning -----------------------------------------------------------------------------
+
+    def observe(self, transition: Polar) -> None:
+        """Count one transition, given in the prey's own previous frame. O(1).
+
+        Raises InputError unless distance [m] >= 0 and all three numbers are finite.
+        """
+        try:
+            distance, angle, heading = (float(part) for part in transition)
+        except (TypeError, ValueError):
+            raise InputError(f"prey transition: expected a Polar of three numbers, got {transition!r}") from None
+        if not (0.0 <= distance < math.inf and math.isfinite(angle) and math.isfinite(heading)):
+            raise InputError(
+                f"prey transition ({distance}, {angle}, {heading}): expected distance >= 0 and finite angles"
+            )
+        axes = self.axes
+        if not distance < MAX_DISTANCE_BINS * axes.distance.width:
+            raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")
+        self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), 1)
+
+    def merge(self, other: PreyModel) -> PreyModel:
+        """Return a new model that has seen what both have seen; raises InputError if bins differ."""
+        if other.axes != self.axes:
+            raise InputError("cannot join prey models with different bins")
+        merged = self.copy()
+        for cell, count in other._counts.items():
+            merged._add(cell, count)
+        return merged
+
+    def copy(self) -> PreyModel:
+        """Return an independent model with the same counts."""
+        twin = PreyModel(self.axes)
+        twin._counts, twin._sums, twin._observations = dict(self._counts), self._sums, self._observations
+        return twin
+
+    # --- tables -------------------------------------------------------------------------------
+
+    @property
+    def observations(self) -> int:
+        """Number of transitions seen."""
+        return self._observations
+
+    @property
+    def is_empty(self) -> bool:
+        """True before the first observation: there is nothing to predict from."""
+        return not self._observations
+
+    @property
+    def counts(self) -> pd.DataFrame:
+        """Column "count" by (Distance, Angle, Heading) labels, seen cells only, in table order."""
+        cells, counts = self._table()
+        return pd.DataFrame({"count": counts}, index=self._index(cells))
+
+    def cpt(self) -> pd.DataFrame:
+        """Return columns probability, count, low, high of every cell seen; the table sums to 1.
+
+        low, high: 95 % Jeffreys interval of each cell against all others. Empty before the first
+        observation.
+        """
+        cells, counts = self._table()
+        low, high = statistics.credible_interval(counts[:, None]) if len(counts) else (np.zeros((0, 1)),) * 2
+        columns = {
+            "probability": counts / max(self._observations, 1),
+            "count": counts,
+            "low": low[:, 0],
+            "high": high[:, 0],
+        }
+        return pd.DataFrame(columns, index=self._index(cells))
+
+    # --- what will happen ---------------------------------------------------------------------
+
+    def predict(self, steps: int) -> Polar:
+        """Return the expected pose ``steps`` ahead, in the prey's present frame: Polar of floats.
+
+        The mean transition (mean forward and right displacement and circular mean heading of the
+        cells' centres) composed with itself ``steps`` times.
+
+        Raises NothingObservedError before the first observation, InputError unless steps >= 0.
+        """
+        return Polar(*(part[-1] for part in self._iterate(steps)))
+
+    def predict_path(self, steps: int) -> Polar:
+        """Return the expected poses 0 to ``steps`` ahead: Polar of arrays [steps + 1]; as :meth:`predict`."""
+        return Polar(*(np.array(part) for part in self._iterate(steps)))
+
+    def sample_paths(self, steps: int, n: int, *, rng: np.random.Generator) -> Polar:
+        """Return ``n`` futures: Polar of arrays [n, steps + 1], in the prey's present frame.
+
+        Every step is drawn from the counts, independently, at its cell's centre; index 0 is the
+        present pose. Raises NothingObservedError before the first observation.
+        """
+        check_whole(steps, "steps", 0)
+        check_whole(n, "n", 0)
+        check_generator(rng)
+        self._check_seen()
+        cells, counts = self._table()
+        reach = np.cumsum(counts)
+        drawn = np.searchsorted(reach, rng.integers(0, reach[-1], size=(n, steps)), side="right")
+        turns, strides = self._centres(cells)
+        headings = np.zeros((n, steps + 1))
+        np.cumsum(turns[drawn], axis=1, out=headings[:, 1:])
+        places = np.zeros((n, steps + 1), dtype=complex)
+        np.cumsum(strides[drawn] * np.exp(1j * headings[:, :-1]), axis=1, out=places[:, 1:])
+        return Polar.from_cartesian(places.real, places.imag, headings)
+
+    # --- storing ------------------------------------------------------------------------------
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers for JSON: bins and [distance, angle, heading, count] rows in order."""
+        return {
+            "distance_width": self.axes.distance.width,
+            "distance_bins": self.axes.distance.bins,
+            "angle_bins": self.axes.angle.bins,
+            "heading_bins": self.axes.heading.bins,
+            "counts": [[*cell, self._counts[cell]] for cell in sorted(self._counts)],
+        }
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> PreyModel:
+        """Rebuild a model from :meth:`to_dict`; raises InputError if the record is not one."""
+        try:
+            axes = EffectAxes.standard(
+                float(record["distance_width"]),
+                distance_bin=1.0,
+                angle_bins=int(record["angle_bins"]),
+                heading_bins=int(record["heading_bins"]),
+            ).extended(int(record["distance_bins"]))
+            model = cls(axes)
+            for distance, angle, heading, count in record["counts"]:
+                model._add_checked((distance, angle, heading), count)
+        except (KeyError, TypeError, ValueError, ZeroDivisionError) as error:
+            raise InputError(f"not a stored prey model: {error}") from None
+        return model
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, PreyModel):
+            return NotImplemented
+        return self.axes == other.axes and self._counts == other._counts
+
+    __hash__ = None  # type: ignore[assignment]  # mutable
+
+    def __repr__(self) -> str:
+        return f"<PreyModel: {self._observations} transitions in {len(self._counts)} cells>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+    # --- inside -------------------------------------------------------------------------------
+
+    def _add(self, cell: tuple[int, int, int], count: int) -> None:
+        self._counts[cell] = self._counts.get(cell, 0) + count
+        self._observations += count
+        distance = (cell[0] + 0.5) * self.axes.distance.width
+        angle = self.axes.angle.centres[cell[1]]
+        heading = self.axes.heading.centres[cell[2]]
+        parts = (
+            distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading)
+        )  # fmt: skip
+        one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._sums, parts, strict=True))
+        self._sums = (one, two, three, four)
+
+    def _add_checked(self, cell: tuple[int, int, int], count: int) -> None:
+        limits = (MAX_DISTANCE_BINS, self.axes.angle.bins, self.axes.heading.bins)
+        whole = all(isinstance(v, int) and not isinstance(v, bool) for v in (*cell, count))
+        if not whole or count < 1 or not all(0 <= v < top for v, top in zip(cell, limits, strict=True)):
+            raise ValueError(f"count row {[*cell, count]}")
+        self._add(cell, count)
+
+    def _check_seen(self) -> None:
+        if not self._observations:
+            raise NothingObservedError("no prey transition has been observed yet, so none can be predicted")
+
+    def _mean(self) -> tuple[complex, float]:
+        """Mean displacement [m] (forward + i right) and circular mean heading [rad]."""
+        self._check_seen()
+        forward, right, cosine, sine = self._sums
+        scale = self._observations * _UNIT
+        # Opposite headings that cancel exactly leave no mean direction; atan2(0, 0) = 0 keeps straight on.
+        return complex(forward / scale, right / scale), math.atan2(sine / scale, cosine / scale)
+
+    def _iterate(self, steps: int) -> tuple[list[float], list[float], list[float]]:
+        """Distances, angles and headings 0 to ``steps`` ahead under the mean transition."""
+        check_whole(steps, "steps", 0)
+        stride, turn = self._mean()
+        # With clockwise angles, x = forward and y = right, composing poses is complex multiplication.
+        rotation = cmath.exp(1j * turn)
+        place, distances, angles, headings = 0j, [0.0], [0.0], [0.0]
+        for step in range(1, steps + 1):
+            place += stride
+            stride *= rotation
+            distances.append(abs(place))
+            angles.append(wrap(cmath.phase(place)))
+            headings.append(wrap(step * turn))
+        return distances, angles, headings
+
+    def _table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cells seen, int64 [K, 3], sorted, and their counts [K]."""
+        cells = sorted(self._counts)
+        counts = np.array([self._counts[cell] for cell in cells], dtype=np.int64)
+        return np.array(cells, dtype=np.int64).reshape(-1, 3), counts
+
+    def _centres(self, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Headings [K] and displacements [K] (forward + i right, metres) of cells' centres."""
+        distances = (cells[:, 0] + 0.5) * self.axes.distance.width
+        return self.axes.heading.centres[cells[:, 2]], distances * np.exp(1j * self.axes.angle.centres[cells[:, 1]])
+
+    def _index(self, cells: np.ndarray) -> pd.MultiIndex:
+        axes = self.axes.extended(int(cells[:, 0].max()) + 1 if len(cells) else 1)
+        names = [[axis.labels[i] for i in column] for axis, column in zip(axes, cells.T, strict=True)]
+        return pd.MultiIndex.from_arrays(names, names=list(EFFECTS))

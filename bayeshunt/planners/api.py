@@ -1,0 +1,224 @@
+"""What every planner shares: a situation in, an inspectable plan out.
+
+A planner is a function of the situation and of ``rng``: it keeps no state between decisions and
+never changes what it is given, so the same situation and seed give the same plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core import displays
+from bayeshunt.core.checks import check_generator, check_kind
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, Pose
+
+
+class PreyPredictor(Protocol):
+    """What a planner asks of a prey model; :class:`bayeshunt.models.target.prey.PreyModel` is one."""
+
+    @property
+    def is_empty(self) -> bool:
+        """True while nothing has been observed."""
+
+    def predict_path(self, steps: int) -> Polar:
+        """Expected poses 0..steps ahead in the prey's present frame: Polar of arrays [steps + 1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Future:
+    """Where the prey will be: what an evaluation may tell a planner that asks for it (``needs_future``).
+
+    times: seconds from now [M], increasing from 0. prey: Polar of arrays [M], in the hunter's present frame.
+    """
+
+    times: np.ndarray
+    prey: Polar
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return metres forward and right of the prey at ``times`` [s], linear between the known poses.
+
+        After the last known pose it goes on as between the last two.
+        """
+        ahead, right = self.prey.forward, self.prey.right
+        beyond = np.maximum(np.asarray(times, dtype=float) - self.times[-1], 0.0)
+        step = self.times[-1] - self.times[-2]
+        return (
+            np.interp(times, self.times, ahead) + beyond * (ahead[-1] - ahead[-2]) / step,
+            np.interp(times, self.times, right) + beyond * (right[-1] - right[-2]) / step,
+        )
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Future):
+            return NotImplemented
+        return np.array_equal(self.times, other.times) and all(map(np.array_equal, self.prey, other.prey))
+
+    __hash__ = None  # type: ignore[assignment]  # arrays inside
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the hunter knows when it decides.
+
+    prey: the prey's present pose as the hunter sees it.
+    prey_model: what has been learned of the prey's pose transitions, one per time-step.
+    body_length: metres, > 0; distances that the paper gives in bodies are multiples of it.
+    time: seconds since the hunt began. step: number of decisions taken before this one.
+    previous_gait: the gait just executed, None at the first step.
+    time_step: seconds that one gait is held.
+    transitions: the prey's pose transitions observed in this hunt, oldest first, each in the prey's
+        own earlier frame, one per time-step: the raw data behind ``prey_model``.
+    pose: the hunter's own pose (dead reckoning) in the frame it started in, None if it does not know.
+    future: the prey's true, noise-free future; handed in by an evaluation, and only to a planner whose
+        ``needs_future`` is True (an upper bound, not a hunter).
+    """
+
+    prey: Polar
+    prey_model: PreyPredictor
+    body_length: float = 0.057
+    time: float = 0.0
+    step: int = 0
+    previous_gait: str | None = None
+    time_step: float = 3.328
+    transitions: tuple[Polar, ...] = ()
+    pose: Pose | None = None
+    future: Future | None = None
+
+    def __post_init__(self) -> None:
+        if not all(map(math.isfinite, self.prey)) or self.prey.distance < 0:
+            raise InputError(f"prey pose must be finite numbers with distance >= 0, got {self.prey}")
+        if not (self.body_length > 0 and math.isfinite(self.body_length)):
+            raise InputError(f"body_length must be positive metres, got {self.body_length}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan:
+    """A decision and the reasons for it.
+
+    Only ``gait`` is required: ``Plan("straight")`` is a plan of one gait that a rule chose.
+
+    gait: name of the gait to execute now. gaits: the whole sequence, ``gaits[0] == gait``; default: that gait alone.
+    value: what the decision was taken by; ``objective`` says what it is and in which unit.
+        Texts for people show a value whose objective ends in "[m]" in millimetres.
+    nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
+    make_trace: called without arguments, gives ``trace``: a DataFrame with a row per node; default: one row.
+        Displays know the columns gait and value (value_m in metres, value_s in seconds) and, of a search tree, node,
+        parent, T (gaits so far) and chosen; others are shown as they are.
+    target: where the hunter aims, as it sees it now; its heading is NaN where the prey's there is not known.
+    evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
+    support: babbling rows in that cell; None if not asked, or if unknown (an imported network).
+    posterior: P(Gait | target) [G] in table order; None if not asked.
+    prey_known: True if the decision rests on what the prey model has observed. False if the planner
+        does not ask it, or if it is empty and the prey was taken to stand still.
+    predicted_prey: Polar of arrays [T + 1], the prey 0..T steps ahead as the hunter sees it now; headings are
+        NaN where the planner predicts places only.
+    """
+
+    gait: str
+    gaits: tuple[str, ...] = None  # type: ignore[assignment]  # filled in below
+    value: float = 0.0
+    objective: str = "no value, a rule decides"
+    nodes: int = 1
+    make_trace: Callable[[], pd.DataFrame] = None  # type: ignore[assignment]  # filled in below
+    expansions: int = 0
+    target: Polar | None = None
+    evidence_probability: float | None = None
+    support: int | None = None
+    posterior: np.ndarray | None = None
+    prey_known: bool = False
+    predicted_prey: Polar | None = None
+
+    def __post_init__(self) -> None:
+        if self.gaits is None:
+            object.__setattr__(self, "gaits", (self.gait,))
+        if self.make_trace is None:
+            object.__setattr__(self, "make_trace", partial(_one_row, self.gait, self.value))
+
+    @cached_property
+    def trace(self) -> pd.DataFrame:
+        """One row per node considered; built when first asked for, as a table costs more than a decision."""
+        return self.make_trace()
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A plan that is sent to another process carries its finished trace, not the planner's tables.
+        state = {name: value for name, value in self.__dict__.items() if name != "trace"}
+        state["make_trace"] = partial(_given, self.trace)
+        return state
+
+    def __repr__(self) -> str:
+        return f"<Plan: {self.gait} ({len(self.gaits)} steps), value {self.value:.4g}, {self.nodes} nodes>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+
+@runtime_checkable
+class Planner(Protocol):
+    """Anything that turns situations into plans."""
+
+    @property
+    def name(self) -> str:
+        """What tables and the command line call this planner."""
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Decide; ``rng`` is the only source of chance."""
+
+
+class Shown:
+    """A planner that shows itself: in one line, as text, and in a notebook."""
+
+    name: str
+
+    def chosen(self) -> dict[str, Any]:
+        """Return the settings that were chosen, by name: plain values only."""
+        settings = getattr(self, "settings", None)
+        values = vars(self) if settings is None else vars(settings)
+        return {k: v for k, v in values.items() if isinstance(v, (bool, int, float, str)) and not k.startswith("_")}
+
+    def __repr__(self) -> str:
+        settings = ", ".join(f"{key} {value}" for key, value in self.chosen().items())
+        return f"<planner {self.name}: {settings}>" if settings else f"<planner {self.name}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
+
+def check_request(situation: Situation, rng: np.random.Generator) -> None:
+    """Raise InputError unless a planner was given a situation and a generator."""
+    check_kind(situation, "situation", Situation, "a Situation")
+    check_generator(rng)
+
+
+def predict_prey(situation: Situation, steps: int) -> tuple[Polar, bool]:
+    """Return the prey 0..steps ahead as the hunter sees it now, and whether the prey model was used.
+
+    The path is a Polar of arrays [steps + 1]. While the prey model is empty the prey is taken to
+    stand still, and the flag is False.
+    """
+    if situation.prey_model.is_empty:
+        return Polar(*(np.full(steps + 1, float(value)) for value in situation.prey)), False
+    path = situation.prey.compose(situation.prey_model.predict_path(steps))
+    if not np.isfinite(path).all():
+        raise InputError(f"the prey model predicts a pose that is not finite within {steps} steps")
+    return path, True
+
+
+def _one_row(gait: str, value: float) -> pd.DataFrame:
+    return pd.DataFrame({"gait": [gait], "value": [value]})
+
+
+def _given(frame: pd.DataFrame) -> pd.DataFrame:
+    return frame

@@ -1,0 +1,67 @@
+"""A hunter that knows the prey's future: how good these gaits and this time-step can be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.sequences.capture import PreyPaths
+from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
+
+
+class Omniscient(SequenceHunter):
+    """A yardstick that hunts: the sequence of earliest capture, the prey's true noise-free future known.
+
+    Every sequence of at most ``depth`` gaits with at most ``max_transitions`` changes is followed
+    along its mean path, against the future that the evaluation hands in (``Situation.future``); the
+    one that captures first is executed for one step, and then the hunter plans again. Where nothing
+    captures within the horizon, the sequence of least end time + time to go is (see
+    :meth:`~bayeshunt.planners.sequences.capture.CapturePaths.times_to_go`).
+
+    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
+    margin: share of the catch distance that a planned capture must come within, so that a little noise
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    ``rng`` is not used.
+
+    It is a yardstick and no strict bound: it follows mean paths, so where noise decides a hunter that
+    knows less may be sooner. A prey that senses the hunter reacts to it, which the future handed in leaves out.
+    """
+
+    name = "omniscient"
+    needs_future = True
+    ab_initio = False
+    standalone = False
+
+    def __init__(
+        self,
+        model: ForwardModel,
+        *,
+        depth: int = 4,
+        max_transitions: int = 3,
+        margin: float = 0.9,
+        catch_distance: float = 1.02,
+    ) -> None:
+        super().__init__(model, depth, max_transitions, margin, catch_distance)
+
+    @property
+    def foresight(self) -> float:
+        """Seconds of the prey's future that a decision needs."""
+        return self.paths.depth * self.paths.duration
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the sequence of earliest capture."""
+        check_request(situation, rng)
+        if situation.future is None:
+            raise InputError("omniscient needs the prey's future, which only an evaluation hands in")
+        paths = self.paths
+        ahead, right = situation.future.at(paths.interval * np.arange(paths.depth * paths.points + 1))
+        prey = PreyPaths(ahead[None], right[None])
+        reach = self.reach(situation)
+        times = paths.first_captures(prey, reach, stop_at_first=True)[0]
+        captured = bool(np.isfinite(times).any())
+        if not captured:
+            ends = paths.depth * paths.duration
+            times[self.leaves] = ends + paths.times_to_go(self.leaves, prey, reach, paths.turn_price)[0]
+        return capture_plan(paths, self.gaits, times, prey, situation, "time of capture [s]", prey_known=True)

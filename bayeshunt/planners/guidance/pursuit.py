@@ -1,0 +1,141 @@
+"""Classical guidance with the robot's gaits: what a learned hunter has to beat.
+
+All of them see what the other planners see and execute the same gaits; none needs the prey model.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request
+from bayeshunt.planners.guidance.steering import Steering, intercept_time, prey_track
+
+
+class PurePursuit(Shown):
+    """Drive at where the prey is now: the gait whose mean end is nearest to it.
+
+    ``rng`` is not used.
+    """
+
+    name = "pure_pursuit"
+
+    def __init__(self, model: ForwardModel) -> None:
+        self.steering = Steering(model)
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the gait towards the prey's present position."""
+        check_request(situation, rng)
+        prey = situation.prey
+        return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
+
+
+class ProportionalNavigation(Shown):
+    """Turn in proportion to the turning of the line of sight, so that the bearing stays constant.
+
+    ``turn = N lambda' D``: navigation constant N, line-of-sight rate lambda' [rad/s], time-step D, where
+    ``lambda' = (r x v) / |r|^2`` from the prey's position r and velocity v relative to the hunter at its
+    top speed. The gait whose mean turn is nearest is executed, a slow one only if there is no fast one.
+    The law assumes a prey ahead that comes closer: while it is more than a right angle off, or before
+    its velocity has been seen, the hunter pursues it instead.
+
+    navigation_constant: N, > 0.
+    Reference: P. Zarchan, Tactical and Strategic Missile Guidance, chapter 2. ``rng`` is not used.
+    """
+
+    name = "proportional_navigation"
+
+    def __init__(self, model: ForwardModel, *, navigation_constant: float = 3.0) -> None:
+        if not (isinstance(navigation_constant, (int, float)) and 0 < navigation_constant < math.inf):
+            raise InputError(
+                f"proportional_navigation: navigation_constant must be a number > 0, got {navigation_constant!r}"
+            )
+        self.navigation_constant = float(navigation_constant)
+        self.steering = Steering(model)
+        self._fast = _fast_gaits(self.steering)
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the gait whose turn is nearest the one commanded."""
+        check_request(situation, rng)
+        steering, prey = self.steering, situation.prey
+        ahead, right = float(prey.forward), float(prey.right)
+        if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
+            return steering.towards(ahead, right, heading=float(prey.heading))
+        track = prey_track(situation)
+        v_ahead = float(track.forward[-1] - track.forward[-2]) / situation.time_step - steering.top_speed
+        v_right = float(track.right[-1] - track.right[-2]) / situation.time_step
+        rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
+        turn = self.navigation_constant * rate * situation.time_step
+        turn = max(-math.pi, min(math.pi, turn))
+        miss = np.abs(np.asarray(wrap(steering.heading - turn)))
+        miss = np.where(self._fast, miss, miss + math.pi)
+        return steering.plan(miss, "difference from the turn commanded [rad]", Polar(*map(float, prey)), True)
+
+
+def _fast_gaits(steering: Steering) -> np.ndarray:
+    """Return the gaits that drive nearly as far as the fastest along their arcs, bool [G]: all but the slow ones."""
+    chord, half = np.hypot(steering.forward, steering.right), 0.5 * np.abs(steering.heading)
+    arcs = chord * half / np.sin(np.maximum(half, 1e-9))
+    return np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
+
+
+class ConstantVelocity(Shown):
+    """Meet a prey that keeps its velocity: interception at the velocity that a Kalman filter estimates.
+
+    State (position, velocity) in the plane, position observed once per time-step; pykalman filters the
+    whole track at every decision, as a planner keeps no state. The hunter aims at the point where a
+    straight drive at top speed meets the prey, at the earliest the end of the step. Before
+    anything is seen the prey's velocity has mean 0 and standard deviation the hunter's own top speed.
+
+    acceleration: standard deviation of the prey's white acceleration [m/s2], > 0.
+    position: standard deviation of an observed position [m], > 0.
+    Reference: R. E. Kalman, A new approach to linear filtering and prediction problems, 1960. ``rng`` is not used.
+    """
+
+    name = "constant_velocity"
+
+    def __init__(self, model: ForwardModel, *, acceleration: float = 0.003, position: float = 0.002) -> None:
+        for name, value in (("acceleration", acceleration), ("position", position)):
+            if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 < value < math.inf):
+                raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
+        self.acceleration, self.position = float(acceleration), float(position)
+        self.steering = Steering(model)
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the gait towards the point of interception."""
+        check_request(situation, rng)
+        if not situation.transitions:
+            prey = situation.prey
+            return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
+        ahead, right, v_ahead, v_right = self._estimate(situation)
+        reach = situation.body_length
+        time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)
+        # a gait is held for a whole step, so a point that is passed before the step ends is no aim
+        time = max(time, situation.time_step) if math.isfinite(time) else situation.time_step
+        return self.steering.towards(ahead + v_ahead * time, right + v_right * time, prey_known=True)
+
+    def _estimate(self, situation: Situation) -> tuple[float, float, float, float]:
+        """Return the filtered position [m] and velocity [m/s] of the prey: ahead, right, and their rates."""
+        from pykalman import KalmanFilter
+
+        step, speed = situation.time_step, self.steering.top_speed
+        track = prey_track(situation)
+        seen = np.column_stack([track.forward, track.right])
+        move = np.kron([[1.0, step], [0.0, 1.0]], np.eye(2))
+        # a velocity that wanders by white acceleration held over one step
+        push = np.kron(np.outer([0.5 * step**2, step], [0.5 * step**2, step]), np.eye(2)) * self.acceleration**2
+        kalman = KalmanFilter(
+            transition_matrices=move,
+            observation_matrices=np.eye(2, 4),
+            transition_covariance=push,
+            observation_covariance=self.position**2 * np.eye(2),
+            initial_state_mean=np.array([*seen[0], 0.0, 0.0]),
+            initial_state_covariance=np.diag([self.position**2] * 2 + [speed**2] * 2),
+        )
+        means, _ = kalman.filter(seen)
+        ahead, right, v_ahead, v_right = (float(value) for value in means[-1])
+        return ahead, right, v_ahead, v_right

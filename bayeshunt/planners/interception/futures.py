@@ -1,0 +1,110 @@
+"""Where the prey may go: weighted paths made of straight legs, as the hunter sees them now.
+
+Letters: K futures, B legs, J times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.target.turns import TurnModel
+
+
+@dataclass(frozen=True, eq=False)
+class Futures:
+    """Weighted prey paths in the hunter's present frame; in each, the prey keeps its speed on all legs.
+
+    weights: [K], sum to 1.
+    starts: seconds from now at which each leg begins, increasing, the first 0, inf where there is none [K, B].
+    forward, right: metres, where each leg begins [K, B]. heading: radians clockwise, its direction [K, B].
+    speed: metres per second [K].
+    groups: int [K], 0..M-1; futures of one group cannot be told apart at the next decision. Group 0 is those in
+        which the prey has not turned by then.
+    foreseen: whether the hunter can know of a leg before it begins (a wall that it knows of).
+    """
+
+    weights: np.ndarray
+    starts: np.ndarray
+    forward: np.ndarray
+    right: np.ndarray
+    heading: np.ndarray
+    speed: np.ndarray
+    groups: np.ndarray
+    foreseen: bool = False
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the positions (forward, right) [m] at ``times`` [s, J]: arrays [K, J]."""
+        leg = (self.starts[:, None, :] <= times[:, None]).sum(axis=2) - 1
+        begin, x, y, heading = (
+            np.take_along_axis(a, leg, axis=1) for a in (self.starts, self.forward, self.right, self.heading)
+        )
+        run = self.speed[:, None] * (times - begin)
+        return x + run * np.cos(heading), y + run * np.sin(heading)
+
+    def standing_still(self) -> Futures:
+        """Return these futures for a prey that does not move."""
+        still = [np.repeat(a[:, :1], a.shape[1], axis=1) for a in (self.forward, self.right)]
+        return replace(self, forward=still[0], right=still[1], speed=np.zeros(len(self.speed)))
+
+    def likeliest(self, times: np.ndarray) -> Polar:
+        """Return the most probable path at ``times`` [s, J], the present pose first: Polar of arrays [J + 1]."""
+        best = int(self.weights.argmax())
+        when = np.concatenate([[0.0], times])
+        x, y = (a[best] for a in self.at(when))
+        leg = (self.starts[best] <= when[:, None]).sum(axis=1) - 1
+        return Polar.from_cartesian(x, y, self.heading[best, leg])
+
+
+def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int) -> Futures:
+    """Return the straight path and, for each of the next ``steps`` time-steps, one path per turn of the model.
+
+    The prey goes straight at the model's speed, turns at most once, half-way through a time-step,
+    and goes on straight. ``P(turn l in step i) = hazard (1 - hazard)^i P(l)``, i = 0, 1, ...
+    """
+    turns, chances = model.turn_table
+    hazard, speed = model.hazard, model.speed / time_step
+    if not len(turns) or hazard == 0.0:
+        turns, chances, steps = turns[:0], chances[:0], 0
+    survival = (1.0 - hazard) ** np.arange(steps + 1) if steps else np.ones(1)
+    weights = np.concatenate([survival[-1:], (hazard * survival[:-1, None] * chances).ravel()])
+    when = np.concatenate([[np.inf], np.repeat((np.arange(steps) + 0.5) * time_step, len(turns))])
+    heading = float(prey.heading)
+    turned = heading + np.concatenate([[0.0], np.tile(turns, steps)])
+    run = speed * np.where(np.isfinite(when), when, 0.0)
+    x, y = float(prey.forward), float(prey.right)
+    groups = np.where(when < time_step, np.arange(len(when)), 0)
+    return Futures(
+        weights=weights,
+        starts=np.stack([np.zeros(len(when)), when], axis=1),
+        forward=np.stack([np.full(len(when), x), x + run * np.cos(heading)], axis=1),
+        right=np.stack([np.full(len(when), y), y + run * np.sin(heading)], axis=1),
+        heading=np.stack([np.full(len(when), heading), turned], axis=1),
+        speed=np.full(len(when), speed),
+        groups=groups,
+    )
+
+
+def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
+    """Return one set of futures from several, each with its probability (any positive scale).
+
+    No leg is foreseen. Futures that do not turn before the next decision cannot be told apart by it.
+    """
+    legs = max(futures.starts.shape[1] for _, futures in parts)
+    weights = np.concatenate([chance * futures.weights for chance, futures in parts])
+    # A leg that never begins may stand anywhere.
+    starts, forward, right, heading = (
+        np.concatenate([_padded(getattr(futures, name), legs, fill) for _, futures in parts])
+        for name, fill in (("starts", np.inf), ("forward", 0.0), ("right", 0.0), ("heading", 0.0))
+    )
+    quiet = np.concatenate([futures.groups == 0 for _, futures in parts])
+    groups = np.where(quiet, 0, np.cumsum(~quiet))
+    speed = np.concatenate([futures.speed for _, futures in parts])
+    return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups)
+
+
+def _padded(array: np.ndarray, legs: int, fill: float) -> np.ndarray:
+    return np.concatenate([array, np.full((len(array), legs - array.shape[1]), fill)], axis=1)

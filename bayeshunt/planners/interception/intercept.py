@@ -1,0 +1,124 @@
+"""The interception hunter: the gait that leads to the earliest expected capture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.turns import OwnMotion, TurnModel
+from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.interception.futures import Futures, turning_futures
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.pairs import PairPlanner
+
+
+@dataclass(frozen=True)
+class InterceptSettings:
+    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on.
+
+    catch_distance: body lengths between the centres that count as a capture, > 0.
+    spread: body lengths about ``catch_distance`` over which the chance of a capture falls from 1 to 0, > 0.
+    heading_price: what turning towards the prey costs beyond the lookahead, in time-steps per softest
+        full-speed turn, >= 0.
+    prior: before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False).
+    prior_speed: that speed, as a share of the hunter's own top speed, > 0; a prey that can be caught is slower.
+    hazard: chance per time-step that the prey turns, believed beforehand, in [0, 1]; 0: it never turns.
+    hazard_steps: how many observed time-steps that belief is worth, > 0.
+    turn_weight: how many observed turns the hunter's own turns are worth as a guess at the prey's, > 0.
+    turn_threshold: a heading change per time-step [rad] from which a motion is a turn, > 0.
+    turn_steps: time-steps ahead in which a turn of the prey is considered, >= 0.
+    """
+
+    catch_distance: float = 1.02
+    spread: float = 0.1
+    heading_price: float = 1.0
+    prior: bool = True
+    prior_speed: float = 0.9
+    hazard: float = 0.1
+    hazard_steps: float = 4.0
+    turn_weight: float = 0.5
+    turn_threshold: float = 0.4
+    turn_steps: int = 4
+
+    def __post_init__(self) -> None:
+        for name in ("catch_distance", "spread", "prior_speed", "hazard_steps", "turn_weight", "turn_threshold"):
+            check_number(name, getattr(self, name), above=0.0)
+        check_number("heading_price", self.heading_price)
+        check_number("hazard", self.hazard, most=1.0)
+        if not isinstance(self.prior, bool):
+            raise InputError(f"intercept: prior must be true or false, got {self.prior!r}")
+        steps = self.turn_steps
+        if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
+            raise InputError(f"intercept: turn_steps must be a whole number >= 0, got {steps!r}")
+
+
+def check_number(name: str, value: Any, *, above: float | None = None, most: float = math.inf) -> None:
+    """Raise InputError unless a setting is a finite number above ``above`` (or >= 0) and at most ``most``."""
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and math.isfinite(value)
+    if not number or value > most or (value <= above if above is not None else value < 0):
+        bound = f"> {above:g}" if above is not None else ">= 0"
+        limit = f" and <= {most:g}" if most < math.inf else ""
+        raise InputError(f"intercept: {name} must be a number {bound}{limit}, got {value!r}")
+
+
+class InterceptPlanner(PairPlanner):
+    """Minimises the expected time of the first capture, not the distance at a step's end.
+
+    1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once; in a model of
+       structure "previous_gait" each those after the gait before it.
+    2. The prey: weighted futures from a :class:`TurnModel` that is learned from the transitions of
+       this hunt: straight on, or one turn in one of the next steps. Its priors come from the hunter's
+       own forward model: the prey goes nearly as fast as the fastest straight gait, wanders as that
+       does, and turns by what the hunter's own gaits turn by.
+    3. Both steps: P(captured by t) at every part-way pose, hence the expected time of capture.
+    4. Beyond them: the time in which the hunter, heading straight for the meeting point at top speed,
+       would meet the prey, and a price for the turns that this takes (:class:`Homing`).
+    5. The second gait may depend on whether the prey was seen to turn in the first step.
+
+    Everything is learned by babbling and within the hunt; ``rng`` is not used.
+    """
+
+    name = "intercept"
+
+    def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None) -> None:
+        self.settings = chosen = InterceptSettings() if settings is None else settings
+        own = OwnMotion.of(model, chosen.turn_threshold)
+        if not own.top_speed > 0:
+            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
+        step, body = model.gaits.duration, model.gaits.body_length
+        price = chosen.heading_price * step / own.softest_turn
+        super().__init__(model, Homing(own.top_speed / step, chosen.catch_distance * body, price), chosen.spread * body)
+        self.prior = TurnModel(
+            prior_speed=chosen.prior_speed * own.top_speed,
+            prior_turns=own.turns,
+            prior_hazard=chosen.hazard,
+            prior_steps=chosen.hazard_steps,
+            turn_weight=chosen.turn_weight,
+            threshold=chosen.turn_threshold,
+            prior_drift=own.drift,
+        )
+
+    def prey(self, situation: Situation) -> TurnModel:
+        """Return what is known of the prey: the prior and the transitions seen so far."""
+        return self.prior.learn(situation.transitions)
+
+    def futures(self, situation: Situation) -> Futures:
+        """Return the prey's weighted futures, as the hunter sees them now."""
+        known = self.prey(situation)
+        futures = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
+        return futures if self.settings.prior or situation.transitions else futures.standing_still()
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the pair of gaits of the earliest expected capture."""
+        check_request(situation, rng)
+        return self.choose(situation, self.pairs_from(situation), self.futures(situation))
+
+
+def intercept(model: ForwardModel, **settings: Any) -> InterceptPlanner:
+    """Return an interception hunter; ``settings`` are the fields of :class:`InterceptSettings`."""
+    return InterceptPlanner(model, InterceptSettings(**settings))

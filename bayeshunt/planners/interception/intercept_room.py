@@ -1,0 +1,154 @@
+"""The interception hunter that guesses the room it is in from where the prey has turned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Pose
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.turns import TurnModel
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
+from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
+
+_NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+#: Rooms less probable than this are left out of a decision.
+_NEGLIGIBLE = 0.01
+#: Straight runs of a path among guessed walls.
+_LEGS = 4
+
+
+@dataclass(frozen=True)
+class RoomGuessSettings(InterceptSettings):
+    """Settings of the interception hunter, and the belief about rooms before anything is seen.
+
+    room_chance: probability that there is a room at all, in [0, 1).
+    nearest, farthest: distance from the start to where the prey turns away from a wall, of the smallest
+        and the largest room, body lengths, 0 < nearest < farthest. sizes: rooms between them, log-spaced, >= 2.
+    slack: body lengths over which a turn before or after the wall is believed, > 0.
+    error: probability that a prey turns away from the walls, or meets one without turning, in (0, 0.5).
+    rebound: angle between a wall and the prey that has turned away from it, radians in [0, 1.5].
+    """
+
+    hazard: float = 0.02
+    room_chance: float = 0.3
+    nearest: float = 6.2
+    farthest: float = 24.2
+    sizes: int = 12
+    slack: float = 0.6
+    error: float = 0.03
+    rebound: float = 0.4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("nearest", "farthest", "slack", "error"):
+            check_number(name, getattr(self, name), above=0.0)
+        check_number("room_chance", self.room_chance, most=0.999)
+        check_number("rebound", self.rebound, most=1.5)
+        if not self.nearest < self.farthest or self.error >= 0.5:
+            raise InputError("intercept_room: expected nearest < farthest and error < 0.5")
+        if isinstance(self.sizes, bool) or not isinstance(self.sizes, (int, np.integer)) or self.sizes < 2:
+            raise InputError(f"intercept_room: sizes must be a whole number >= 2, got {self.sizes!r}")
+
+
+class InterceptRoomPlanner(InterceptPlanner):
+    """Interception, averaged over the rooms that the hunter may be in; all is learned within the hunt.
+
+    The belief: no room, where the prey turns by chance as for :class:`InterceptPlanner`; or a square
+    room about the place where the hunter began, squared up with its first heading, of one of a few
+    sizes (log-uniform). This is a strong assumption about the form of rooms, none about the size of
+    the present one; a room elsewhere or askew is seen as a prey that turns by chance.
+
+    ``P(room | prey so far) ~ P(room) product over time-steps of P(turned or not | room)``, where
+    ``P(turn | room) = error + (1 - 2 error) / (1 + exp((gap to the wall - step) / slack))``. The prey's
+    futures are those of every hypothesis, weighted; :meth:`rooms` opens the table. It needs to know
+    where it is: ``situation.pose``.
+    """
+
+    name = "intercept_room"
+    settings: RoomGuessSettings
+
+    def __init__(self, model: ForwardModel, settings: RoomGuessSettings | None = None) -> None:
+        chosen = RoomGuessSettings() if settings is None else settings
+        super().__init__(model, chosen)
+        body = model.gaits.body_length
+        self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
+        self.slack = chosen.slack * body
+        self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]
+
+    def futures(self, situation: Situation) -> Futures:
+        """Return the prey's futures under every hypothesis about the room."""
+        if situation.pose is None or self.settings.room_chance == 0.0:
+            return super().futures(situation)
+        if not (self.settings.prior or situation.transitions):
+            return super().futures(situation)
+        known = self.prey(situation)
+        chances = self._posterior(situation, known)
+        free = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
+        parts = [(float(chances[-1]), free)]
+        speed = known.speed / self.time_step
+        for walls, chance in zip(self.walls, chances.tolist(), strict=False):
+            if chance >= _NEGLIGIBLE:
+                bounced = room_futures(
+                    situation.prey, situation.pose, walls, speed, known.drift, self.time_step, legs=_LEGS
+                )
+                if bounced is not None:
+                    parts.append((chance, bounced))
+        return mix(parts)
+
+    def rooms(self, situation: Situation) -> pd.DataFrame:
+        """Return the belief: one row per size, the last for no room; columns size [m, inf: none], probability."""
+        if situation.pose is None:
+            raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
+        chances = self._posterior(situation, self.prey(situation))
+        return pd.DataFrame({"size": [*self.sizes, math.inf], "probability": chances}).rename_axis("Room")
+
+    def _posterior(self, situation: Situation, known: TurnModel) -> np.ndarray:
+        """Return the probability of each room and, last, of none; sums to 1."""
+        chosen = self.settings
+        logs = np.full(len(self.sizes) + 1, math.log(1.0 - chosen.room_chance))
+        logs[:-1] = math.log(chosen.room_chance / len(self.sizes))
+        seen = self.prior
+        poses = _earlier_poses(situation)
+        for pose, transition in zip(poses, situation.transitions, strict=True):
+            chance = np.append(self._turn_chance(pose, known.speed), seen.hazard)
+            turned = abs(transition.heading) >= seen.threshold
+            logs += np.log(np.maximum(chance if turned else 1.0 - chance, 1e-12))
+            seen = seen.learn([transition])
+        weights = np.exp(logs - logs.max())
+        return weights / weights.sum()
+
+    def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
+        """Return P(the prey turns within a time-step | room) for each size, the prey starting at ``pose``."""
+        towards = np.array(_NORMALS) @ np.array([math.cos(pose.theta), math.sin(pose.theta)])
+        along = np.array(_NORMALS) @ np.array([pose.x, pose.y])
+        ahead = towards > 1e-9
+        gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
+        error = self.settings.error
+        return error + (1.0 - 2.0 * error) / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
+
+
+def _earlier_poses(situation: Situation) -> Sequence[Pose]:
+    """Return the prey's poses before each transition, oldest first, in the hunter's starting frame."""
+    assert situation.pose is not None
+    pose = situation.pose.compose(situation.prey)
+    poses = []
+    for distance, angle, heading in reversed(situation.transitions):
+        theta = pose.theta + heading
+        bearing = theta - angle
+        pose = Pose(pose.x - distance * math.cos(bearing), pose.y - distance * math.sin(bearing), theta)
+        poses.append(pose)
+    return poses[::-1]
+
+
+def intercept_room(model: ForwardModel, **settings: Any) -> InterceptRoomPlanner:
+    """Return a hunter that guesses its room; ``settings`` are the fields of :class:`RoomGuessSettings`."""
+    return InterceptRoomPlanner(model, RoomGuessSettings(**settings))

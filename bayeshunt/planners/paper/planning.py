@@ -1,0 +1,196 @@
+"""The paper's planning hunter: search over gait sequences with sampled hunter outcomes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request, predict_prey
+from bayeshunt.planners.search.rollouts import (
+    CompiledRollouts,
+    GaitTree,
+    LazyRollouts,
+    Objective,
+    Outcomes,
+    count_nodes,
+    mean_distance,
+)
+from bayeshunt.planners.search.search import ORDERS, Search, SearchTree
+
+ROLLOUTS = ("auto", "compiled", "lazy")
+
+# Above this many gait sequences, valuing all of them costs more than composing those expanded.
+_COMPILED_NODES = 20_000
+# Above this many poses (24 bytes each), a compiled bank takes too much memory.
+_COMPILED_POSES = 4_000_000
+
+
+@dataclass(frozen=True)
+class PlanningSettings:
+    """Settings of the planning hunter; the defaults are those of the preset "paper".
+
+    depth: longest gait sequence, time-steps, >= 1.
+    expansions: most nodes expanded in a decision, >= 1; None: no limit.
+    samples: hunter outcomes sampled per node, >= 1.
+    stop_distance: the search stops at a node of this value or less, body lengths, >= 0.
+    max_transitions: most changes of gait in a sequence, >= 0; the first gait is none.
+    order: "best-first" or "breadth-first".
+    blocks: independent sets of samples; each decision picks one with its ``rng``, >= 1.
+    bank_seed: seeds the private generator of the uniforms behind all samples, >= 0.
+    rollouts: "compiled" composes every sequence beforehand, "lazy" on expansion, "auto" chooses by size.
+    objective: values of sequences from hunter samples and the predicted prey path [m].
+    """
+
+    depth: int = 10
+    expansions: int | None = 60
+    samples: int = 8
+    stop_distance: float = 0.5
+    max_transitions: int = 1
+    order: str = "best-first"
+    blocks: int = 8
+    bank_seed: int = 0
+    rollouts: str = "auto"
+    objective: Objective = mean_distance
+
+    def __post_init__(self) -> None:
+        least = {"depth": 1, "samples": 1, "max_transitions": 0, "blocks": 1, "bank_seed": 0}
+        if self.expansions is not None:
+            least["expansions"] = 1
+        for name, minimum in least.items():
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < minimum:
+                raise InputError(f"planning: {name} must be a whole number >= {minimum}, got {value!r}")
+        if not (isinstance(self.stop_distance, (int, float)) and 0 <= self.stop_distance < math.inf):
+            raise InputError(f"planning: stop_distance must be body lengths >= 0, got {self.stop_distance!r}")
+        for name, choices in (("order", ORDERS), ("rollouts", ROLLOUTS)):
+            if getattr(self, name) not in choices:
+                raise InputError(f"planning: {name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}")
+        if not callable(self.objective):
+            raise InputError(f"planning: objective must be a function, got {self.objective!r}")
+
+
+class PlanningPlanner(Shown):
+    """The gait sequence that ends nearest the predicted prey (paper, planning; best-first search).
+
+    A node is a sequence of T gaits with at most ``max_transitions`` changes. Its value is the mean
+    over sampled hunter outcomes of the distance to the prey predicted T steps ahead. The plan is the
+    sequence of least value among all nodes generated; a tie goes to the one generated first, and
+    children are generated in gait order. While the prey model is empty the prey is taken to stand
+    still, and ``prey_known`` is False. ``rng`` picks the block of samples. In a model of structure
+    "previous_gait" each outcome is drawn given the gait before: within the sequence and, for its first
+    gait, the one just executed (at the start of a hunt it is not known, and summed over).
+    """
+
+    name = "planning"
+
+    def __init__(self, model: ForwardModel, settings: PlanningSettings | None = None) -> None:
+        self.settings = settings = PlanningSettings() if settings is None else settings
+        self.gaits = tuple(model.gaits.names)
+        outcomes = Outcomes.draw(model, settings.depth, settings.samples, settings.blocks, settings.bank_seed)
+        after = {self.gaits[gait]: outcomes.starting_after(gait) for gait in range(len(outcomes.after))}
+        make = self._maker(1 + len(after))
+        self.rollouts = make(outcomes)
+        #: Those of sequences that follow a gait, where that changes them.
+        self.rollouts_after = {gait: make(part) for gait, part in after.items()}
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Search, and return the best sequence found."""
+        check_request(situation, rng)
+        chosen = self.settings
+        prey, known = predict_prey(situation, chosen.depth)
+        rollouts = self.rollouts_after.get(situation.previous_gait or "", self.rollouts)
+        space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
+        stop = chosen.stop_distance * situation.body_length
+        tree = Search(chosen.order, chosen.depth, chosen.expansions, stop).run(space)
+        gaits = tuple(self.gaits[space.gait(tree.handles[n])] for n in tree.branch(tree.best)[1:])
+        return Plan(
+            gait=gaits[0],
+            gaits=gaits,
+            value=tree.values[tree.best],
+            objective="mean distance to the prey at the end of the sequence [m]"
+            if chosen.objective is mean_distance
+            else getattr(chosen.objective, "__name__", repr(chosen.objective)),
+            nodes=len(tree.handles),
+            make_trace=partial(_trace, self.gaits, space.describe, tree, prey, situation.body_length),
+            expansions=len(tree.expanded),
+            target=Polar(*(float(values[len(gaits)]) for values in prey)),
+            prey_known=known,
+            predicted_prey=prey,
+        )
+
+    def _maker(self, banks: int) -> Callable[[Outcomes], CompiledRollouts | LazyRollouts]:
+        """Return what makes rollouts of outcomes: composed beforehand, if ``banks`` of them are not too many."""
+        chosen = self.settings
+        if not self._compiles(banks):
+            return partial(LazyRollouts, max_transitions=chosen.max_transitions)
+        return partial(CompiledRollouts, tree=GaitTree.grow(len(self.gaits), chosen.depth, chosen.max_transitions))
+
+    def _compiles(self, banks: int) -> bool:
+        chosen = self.settings
+        if chosen.rollouts != "auto":
+            return chosen.rollouts == "compiled"
+        nodes = count_nodes(len(self.gaits), chosen.depth, chosen.max_transitions, limit=_COMPILED_NODES)
+        return nodes <= _COMPILED_NODES and nodes * chosen.samples * chosen.blocks * banks <= _COMPILED_POSES
+
+
+def _trace(
+    gaits: tuple[str, ...],
+    describe: Callable[[list[Any]], dict[str, np.ndarray]],
+    tree: SearchTree,
+    prey: Polar,
+    body_length: float,
+) -> pd.DataFrame:
+    """One row per node generated, in order: the paper's node fields and how the search used them.
+
+    T; gaits (Gait[1..T]); gait_cost (gaits executed, = T); transition_cost; hunter_* (Hunter[T], mean
+    of the samples); prey_* (predicted prey at T); value_m, value_bodies; expansion (order, -1: not expanded).
+    """
+    nodes = np.arange(len(tree.handles))
+    steps = np.array(tree.depths)
+    described = describe(tree.handles)
+    last = [gaits[g] if g >= 0 else "" for g in described["gait"].tolist()]
+    expansion = np.full(len(nodes), -1)
+    expansion[tree.expanded] = np.arange(len(tree.expanded))
+    values = np.array(tree.values)
+    return pd.DataFrame(
+        {
+            "node": nodes,
+            "parent": tree.parents,
+            "T": steps,
+            "gaits": _sequences(last, tree.parents),
+            "gait": last,
+            "gait_cost": steps,
+            **{name: column for name, column in described.items() if name != "gait"},
+            "prey_distance": prey.distance[steps],
+            "prey_angle": prey.angle[steps],
+            "prey_heading": prey.heading[steps],
+            "value_m": values,
+            "value_bodies": values / body_length,
+            "expanded": expansion >= 0,
+            "expansion": expansion,
+            "chosen": np.isin(nodes, tree.branch(tree.best)),
+        }
+    )
+
+
+def _sequences(last: list[str], parents: list[int]) -> list[str]:
+    """Return each node's gait sequence, run by run: "left x3, straight x2"; the root's is ""."""
+    whole: list[tuple[str, ...]] = [()]
+    for gait, parent in zip(last[1:], parents[1:], strict=True):
+        whole.append((*whole[parent], gait))
+    return [", ".join(f"{gait} x{len(list(run))}" for gait, run in itertools.groupby(sequence)) for sequence in whole]
+
+
+def planning(model: ForwardModel, **settings: Any) -> PlanningPlanner:
+    """Return a planning hunter; ``settings`` are the fields of :class:`PlanningSettings`."""
+    return PlanningPlanner(model, PlanningSettings(**settings))

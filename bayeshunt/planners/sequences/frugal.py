@@ -1,0 +1,171 @@
+"""A hunter that weighs the time of the catch against energy, changes of gait and thinking."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.api import Plan, Situation, check_request, predict_prey
+from bayeshunt.planners.sequences.capture import PreyPaths
+from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
+
+
+@dataclass(frozen=True)
+class CostWeights:
+    """What each part of a hunt costs; the unit of cost is free.
+
+    time: per second until the catch. distance: per metre travelled (energy). transitions: per change
+    of gait. planning: per second of planning (reaction time).
+    """
+
+    time: float = 1.0
+    distance: float = 0.0
+    transitions: float = 0.0
+    planning: float = 0.0
+
+    def __post_init__(self) -> None:
+        for part in fields(self):
+            value = getattr(self, part.name)
+            if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 <= value < math.inf):
+                raise InputError(f"cost: {part.name} must be a number of at least 0, got {value!r}")
+        if not self.time + self.distance > 0:
+            raise InputError("cost: time or distance must cost something, or standing still would be best")
+
+    def total(self, time: Any, distance: Any, transitions: Any, planning: Any) -> Any:
+        """Return the cost of seconds, metres, changes of gait and seconds of planning; numbers or arrays."""
+        return self.time * time + self.distance * distance + self.transitions * transitions + self.planning * planning
+
+
+class Frugal(SequenceHunter):
+    """The gait sequence of least cost: capture time, distance, gait transitions and planning time, weighed.
+
+    The prey is predicted by the mean transition seen in this run (before any: it moves straight on as
+    the hunter's fastest gait does). A sequence that captures costs what it takes until then; one that
+    does not, what it takes to its end and then straight to the prey at top speed. The change from the
+    gait just executed counts as a transition.
+
+    The search deepens step by step, and stops where looking one step further would cost more planning
+    than the last step further has gained (the first: than there is to gain): nodes x
+    ``seconds_per_node`` x the price of planning.
+
+    time: cost of a second until the catch, >= 0. distance: cost of a metre travelled, >= 0; time or distance
+    must cost something. transitions: cost of a change of gait, >= 0. planning: cost of a second of planning, >= 0.
+    seconds_per_node: seconds that considering one sequence takes, >= 0.
+    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
+    margin: share of the catch distance that a planned capture must come within, so that a little noise
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    ``rng`` is not used.
+    """
+
+    name = "frugal"
+
+    def __init__(
+        self,
+        model: ForwardModel,
+        *,
+        time: float = 1.0,
+        distance: float = 0.0,
+        transitions: float = 0.0,
+        planning: float = 0.0,
+        seconds_per_node: float = 1e-6,
+        depth: int = 3,
+        max_transitions: int = 2,
+        margin: float = 0.9,
+        catch_distance: float = 1.02,
+    ) -> None:
+        super().__init__(model, depth, max_transitions, margin, catch_distance)
+        self.weights = CostWeights(time, distance, transitions, planning)
+        if isinstance(seconds_per_node, bool) or not (
+            isinstance(seconds_per_node, (int, float)) and 0 <= seconds_per_node < math.inf
+        ):
+            raise InputError(f"frugal: seconds_per_node must be a number of at least 0, got {seconds_per_node!r}")
+        self.seconds_per_node = float(seconds_per_node)
+        tree = self.paths.tree
+        self._lengths = np.zeros(len(tree.steps))  # metres along the whole sequence
+        for step in range(1, depth + 1):
+            new = slice(self.paths.layers[step], self.paths.layers[step + 1])
+            self._lengths[new] = self._lengths[tree.parents[new]] + self.paths.lengths[tree.gaits[new]]
+        self._first = self._first_gaits()
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the sequence of least cost."""
+        check_request(situation, rng)
+        paths, known = self.paths, not situation.prey_model.is_empty
+        prey = self._prey(situation)
+        reach = self.reach(situation)
+        caught = paths.first_captures(prey, reach)[0]
+        values = np.full(len(paths.tree.steps), np.inf)
+        best = math.inf
+        for depth in range(1, paths.depth + 1):
+            new = np.arange(paths.layers[depth], paths.layers[depth + 1])
+            costs = self._costs(new, caught, prey, reach, situation)
+            shallower, best = best, min(best, float(costs.min()))
+            values[new] = costs
+            # looking further can gain at most what is left to pay
+            if self._enough(depth, shallower - best if depth > 1 else best):
+                break
+        # a sequence that has not captured is judged by its continuations, where there are any
+        values[: new[0]] = np.where(np.isfinite(caught[: new[0]]), values[: new[0]], np.inf)
+        return capture_plan(
+            paths, self.gaits, values, prey, situation, "cost of the hunt, as weighed", prey_known=known
+        )
+
+    def chosen(self) -> dict[str, Any]:
+        """Return the weights and the other settings."""
+        return {**vars(self.weights), **super().chosen()}
+
+    def _enough(self, depth: int, gained: float) -> bool:
+        """Return whether one step further costs more planning than the last step further has gained."""
+        if depth == self.paths.depth:
+            return True
+        more = self.paths.layers[depth + 2] - self.paths.layers[depth + 1]
+        return bool(self.weights.planning * self.seconds_per_node * more > gained)
+
+    def _costs(
+        self, nodes: np.ndarray, caught: np.ndarray, prey: PreyPaths, reach: float, situation: Situation
+    ) -> np.ndarray:
+        """Return the cost of sequences that end after their last gait, or at the capture within it, [n]."""
+        paths, tree = self.paths, self.paths.tree
+        end = tree.steps[nodes] * paths.duration
+        within = np.isfinite(caught[nodes])
+        onward = paths.times_to_go(nodes, prey, reach, paths.turn_price)[0]
+        time = np.where(within, caught[nodes], end + onward)
+        # of the last gait, only what is driven before the capture
+        share = np.where(within, (caught[nodes] - (end - paths.duration)) / paths.duration, 1.0)
+        last = paths.lengths[tree.gaits[nodes]]
+        distance = self._lengths[nodes] - (1 - share) * last + np.where(within, 0.0, paths.speed * onward)
+        changes = tree.transitions[nodes] + (0 if situation.previous_gait is None else self._changed(nodes, situation))
+        return np.asarray(self.weights.total(time, distance, changes, 0.0))
+
+    def _changed(self, nodes: np.ndarray, situation: Situation) -> np.ndarray:
+        """Return 1 where a sequence does not begin with the gait just executed, [n]."""
+        if situation.previous_gait not in self.gaits:
+            return np.ones(len(nodes))
+        return (self._first[nodes] != self.gaits.index(situation.previous_gait)).astype(float)
+
+    def _first_gaits(self) -> np.ndarray:
+        """Return the first gait of every sequence, [N]."""
+        tree, layers = self.paths.tree, self.paths.layers
+        first = tree.gaits.copy()
+        for step in range(2, self.paths.depth + 1):
+            new = slice(layers[step], layers[step + 1])
+            first[new] = first[tree.parents[new]]
+        return first
+
+    def _prey(self, situation: Situation) -> PreyPaths:
+        """Return the one path that the prey is expected to take, [1, T P + 1]."""
+        paths = self.paths
+        if situation.prey_model.is_empty:
+            here, heading = situation.prey, float(situation.prey.heading)
+            gone = paths.speed * paths.interval * np.arange(paths.depth * paths.points + 1)
+            ahead, right = here.forward + gone * math.cos(heading), here.right + gone * math.sin(heading)
+            return PreyPaths(ahead[None], right[None])
+        path, _ = predict_prey(situation, paths.depth)
+        share = np.arange(paths.depth * paths.points + 1) / paths.points
+        steps = np.arange(paths.depth + 1)
+        return PreyPaths(np.interp(share, steps, path.forward)[None], np.interp(share, steps, path.right)[None])

@@ -1,0 +1,202 @@
+"""Maps as drawings: a hunt from above, a plan in the hunter's frame, what each learned coordinate answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bayeshunt.episodes.episode import Episode
+from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.planners.api import Plan
+from bayeshunt.views import grounds, theme
+from bayeshunt.views.drawings import svg
+from bayeshunt.views.notebook.html import Html, tag
+
+_MARGIN = 26
+
+
+class Window(NamedTuple):
+    """From metres (across to the right, up) to pixels of a drawing."""
+
+    left: float
+    top: float  # metres, the highest
+    scale: float  # pixels per metre
+    width: float
+    height: float
+
+    @classmethod
+    def around(cls, across: Any, up: Any, *, size: float = 360.0, least: float = 0.1) -> Window:
+        """The window around points [N], at most ``size`` pixels either way, ``least`` metres at least."""
+        across, up = np.asarray(across, dtype=float), np.asarray(up, dtype=float)
+        wide, tall = max(np.ptp(across), least), max(np.ptp(up), least)
+        scale = (size - 2 * _MARGIN) / max(wide, tall)
+        width = max(wide * scale + 2 * _MARGIN, 270.0)
+        left = (across.min() + across.max()) / 2 - (width / 2 - _MARGIN) / scale
+        top = (up.min() + up.max() + tall) / 2
+        return cls(left, top, scale, width, tall * scale + 2 * _MARGIN + 14)
+
+    def at(self, across: float, up: float) -> tuple[float, float]:
+        """Pixels of a point."""
+        return _MARGIN + (across - self.left) * self.scale, _MARGIN + (self.top - up) * self.scale
+
+    def ruler(self) -> Html:
+        """A scale bar of a round length, at the bottom."""
+        reach = 0.3 * (self.width - 2 * _MARGIN) / self.scale
+        power = 10.0 ** math.floor(math.log10(reach))
+        length = max(step * power for step in (1, 2, 5) if step * power <= reach)
+        y, end = self.height - 8, _MARGIN + length * self.scale
+        name = f"{length:g} m" if length >= 1 else f"{length * 1000:g} mm"
+        bar = svg.line([(_MARGIN, y - 4), (_MARGIN, y), (end, y), (end, y - 4)], stroke=svg.INK)
+        return tag("g", bar, svg.text(end + 6, y + 1, name, faint=True))
+
+    def robot(self, across: float, up: float, direction: float, colour: str, title: str, size: float = 8.0) -> Html:
+        """A robot as an arrowhead; ``direction`` in radians counter-clockwise from the right, NaN draws a disc."""
+        x, y = self.at(across, up)
+        if math.isnan(direction):
+            return svg.disc(x, y, 0.6 * size, title, fill=colour)
+        corners = [(size, 0.0), (size * 0.85, 2.55), (size * 0.35, math.pi), (size * 0.85, -2.55)]
+        points = " ".join(
+            f"{x + reach * math.cos(direction + turn):.1f},{y - reach * math.sin(direction + turn):.1f}"
+            for reach, turn in corners
+        )
+        return tag("polygon", tag("title", title), points=points, fill=colour)
+
+
+def episode_map(episode: Episode) -> Html:
+    """Return a hunt from above: both trails, the poses at each decision, the walls."""
+    trail, frame = episode.trail, episode.frame
+    across = [*trail["hunter_x"], *trail["prey_x"]]
+    up = [*trail["hunter_y"], *trail["prey_y"]]
+    if not across:
+        across, up = [*frame["hunter_x"], *frame["prey_x"]], [*frame["hunter_y"], *frame["prey_y"]]
+    walls = _walls(episode)
+    if walls is not None:
+        across, up = [*across, -walls[0], walls[0]], [*up, -walls[1], walls[1]]
+    window = Window.around(across, up)
+    parts = [] if walls is None else [_wall(window, *walls)]
+    for who, colour in (("prey", svg.PREY), ("hunter", svg.HUNTER)):
+        points = [window.at(x, y) for x, y in zip(trail[f"{who}_x"], trail[f"{who}_y"], strict=True)]
+        parts.append(svg.line(_thin(points), stroke=colour, stroke_width=1.8, stroke_linejoin="round"))
+        for row in frame.to_dict("records"):
+            place = (row[f"{who}_x"], row[f"{who}_y"], row[f"{who}_theta"])
+            chosen = f", chose {row['gait']}" if who == "hunter" else ""
+            parts.append(window.robot(*place, colour, f"{who}, {row['time']:.1f} s{chosen}", 6))
+    if episode.caught and len(trail):
+        end = window.at(trail["hunter_x"].iloc[-1], trail["hunter_y"].iloc[-1])
+        parts.append(svg.disc(*end, 11, "caught here", fill="none", stroke=svg.ACCENT, stroke_width=2))
+    parts += [window.ruler(), _legend(window)]
+    return svg.drawing(window.width, window.height, *parts, label="Paths of hunter and prey from above")
+
+
+def plan_map(plan: Plan) -> Html | None:
+    """Return what a plan expects, in the hunter's frame (its heading is up); None if it tells no place."""
+    prey, branch = plan.predicted_prey, _branch(plan)
+    if prey is None and branch is None and plan.target is None:
+        return None
+    ahead, right, turn = _path(prey if prey is not None else plan.target)
+    places = [(0.0, 0.0), *zip(right, ahead, strict=True)]
+    if branch is not None:
+        places += list(zip(branch[1], branch[0], strict=True))
+    window = Window.around(*zip(*places, strict=True), size=320)
+    parts = [svg.line([window.at(x, y) for x, y in zip(right, ahead, strict=True)], stroke=svg.PREY, stroke_width=1.5)]
+    shown = range(len(ahead)) if len(ahead) <= 25 else range(0, len(ahead), math.ceil(len(ahead) / 25))
+    if prey is None and math.isnan(turn[0]):
+        shown = range(0)  # a point aimed at, not the prey's pose: the ring below shows it
+    for step in shown:
+        when = "now" if step == 0 else f"{step} ahead"
+        parts.append(window.robot(right[step], ahead[step], math.pi / 2 - turn[step], svg.PREY, f"prey, {when}", 6))
+    if branch is not None:
+        parts.append(svg.line([window.at(x, y) for y, x, _ in zip(*branch, strict=True)], stroke=svg.HUNTER))
+        for step, (y, x, heading) in enumerate(zip(*branch, strict=True)):
+            parts.append(window.robot(x, y, math.pi / 2 - heading, svg.HUNTER, f"hunter, {step} ahead", 6))
+    parts.append(window.robot(0, 0, math.pi / 2, svg.HUNTER, "hunter, now", 9))
+    if plan.target is not None:
+        goal = (float(plan.target.right), float(plan.target.forward))
+        parts.append(svg.disc(*window.at(*goal), 9, "target", fill="none", stroke=svg.ACCENT, stroke_width=2))
+    parts += [window.ruler(), _legend(window)]
+    return svg.drawing(window.width, window.height, *parts, label="Predicted paths in the hunter's frame")
+
+
+def inverse_map(inverse: InverseModel) -> Html:
+    """Return the most probable gait of every learned coordinate, in the robot's frame (heading up)."""
+    axes, names = inverse.model.axes, inverse.model.gaits.names
+    table = inverse.table()
+    best = table[list(names)].to_numpy().argmax(axis=1)
+    outer = table["distance"] + axes.distance.width
+    right, ahead = outer * np.sin(table["angle"]), outer * np.cos(table["angle"])
+    window = Window.around([0.0, *right], [0.0, *ahead], size=420)
+    parts = []
+    for distance, angle, support, gait in zip(table["distance"], table["angle"], table["support"], best, strict=True):
+        place = f"{distance * 1000:.0f} mm, {math.degrees(angle):.0f} deg"
+        hint = f"{place}: {names[gait]}, support {grounds.rows(support)}"
+        parts.append(
+            _sector(window, distance, angle, axes.distance.width, axes.angle.width, theme.gait_colour(gait), hint)
+        )
+    parts += [window.robot(0, 0, math.pi / 2, svg.INK, "robot", 8), window.ruler()]
+    return svg.drawing(window.width, window.height, *parts, label="Most probable gait of every learned coordinate")
+
+
+def gait_key(names: Sequence[str]) -> Html:
+    """Return the colours of the gaits in a list beside a map."""
+    rows = []
+    for index, name in enumerate(names[:40]):
+        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=theme.gait_colour(index), rx=2), label="colour")
+        look = "display:flex;gap:8px;align-items:center"
+        rows.append(tag("div", swatch, tag("span", name), style=look))
+    return tag("div", *rows)
+
+
+def _sector(window: Window, distance: float, angle: float, width: float, turn: float, colour: str, hint: str) -> Html:
+    """One polar cell: an annular sector, ``angle`` clockwise from up."""
+    edges = [angle - turn / 2, angle + turn / 2]
+    near, far = max(distance - width / 2, 0.0), distance + width / 2
+    corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
+               ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
+    path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"
+    return tag("path", tag("title", hint), d=path, fill=colour, stroke=svg.FAINT, stroke_width=0.6)
+
+
+def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:
+    """Forward, right [m] and heading of the hunter along the chosen branch, if the trace tells poses."""
+    trace = plan.trace
+    if not {"chosen", "T", "hunter_forward", "hunter_right", "hunter_heading"} <= set(trace.columns):
+        return None
+    rows = trace[trace["chosen"]].sort_values("T")
+    return tuple(rows[name].tolist() for name in ("hunter_forward", "hunter_right", "hunter_heading"))  # type: ignore[return-value]
+
+
+def _path(polar: Any) -> tuple[list[float], list[float], list[float]]:
+    parts = (polar.forward, polar.right, polar.heading)
+    return tuple(np.atleast_1d(np.asarray(part, dtype=float)).tolist() for part in parts)  # type: ignore[return-value]
+
+
+def _walls(episode: Episode) -> tuple[float, float] | None:
+    """Half width and half height [m] of the walled rectangle, None in the open."""
+    settings, name = episode.provenance.get("settings", {}), episode.provenance.get("arena")
+    arena = settings.get("arenas", {}).get(name, {})
+    return (arena["width"] / 2, arena["height"] / 2) if arena.get("walled") else None
+
+
+def _wall(window: Window, half_width: float, half_height: float) -> Html:
+    x, y = window.at(-half_width, half_height)
+    return svg.box(
+        x, y, 2 * half_width * window.scale, 2 * half_height * window.scale,
+        fill="none", stroke=svg.FAINT, stroke_width=2,
+    )  # fmt: skip
+
+
+def _legend(window: Window) -> Html:
+    y, x = window.height - 7, window.width - 118
+    return tag(
+        "g", svg.disc(x, y - 4, 4, fill=svg.HUNTER), svg.text(x + 8, y, "hunter"),
+        svg.disc(x + 66, y - 4, 4, fill=svg.PREY), svg.text(x + 74, y, "prey"),
+    )  # fmt: skip
+
+
+def _thin(points: list[tuple[float, float]], most: int = 400) -> list[tuple[float, float]]:
+    """At most ``most`` of the points, the last one always."""
+    step = max(1, math.ceil(len(points) / most))
+    return points[::step] + (points[-1:] if points and (len(points) - 1) % step else [])

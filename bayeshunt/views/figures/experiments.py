@@ -1,0 +1,113 @@
+"""Figures of the experiments: where hunts start, and how often they succeed from each bearing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
+from bayeshunt.experiments.scores import summarise
+from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, styled
+
+
+@styled
+def setup(settings: ExperimentSettings, arena: str) -> Figure:
+    """Return where hunter and prey start in ``arena``, seen from above (the paper's figures 3, 4 and 6b, left)."""
+    figure = Figure(figsize=(3.6, 3.6), layout="constrained")
+    draw_setup(figure.subplots(), settings, arena)
+    return figure
+
+
+@styled
+def success(results: pd.DataFrame, settings: ExperimentSettings, planner: str, arena: str) -> Figure:
+    """Return the success from each bearing with 95 % Wilson intervals (the same figures, right)."""
+    figure = Figure(figsize=(4.2, 3.4), layout="constrained")
+    draw_success(figure.subplots(), results, settings, planner, arena)
+    return figure
+
+
+@styled
+def experiment(results: pd.DataFrame, settings: ExperimentSettings, planner: str, arena: str) -> Figure:
+    """Return set-up and success side by side: one of the paper's figures 3, 4 and 6b.
+
+    results: one row per hunt, as ``bayeshunt.evaluate`` returns it.
+    Raises InputError if it holds no hunt of this planner in this arena.
+    """
+    figure = Figure(figsize=(7.4, 3.5), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[1, 1.25])
+    draw_setup(left, settings, arena)
+    draw_success(right, results, settings, planner, arena)
+    return figure
+
+
+def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
+    """Draw the start of every hunt, the hunter's heading up; each prey faces the same way."""
+    if arena not in settings.arenas:
+        raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+    place, protocol = settings.arenas[arena], settings.protocol
+    hunter, prey = settings.robot.body.diameter * 1000, settings.prey.body.diameter * 1000
+    distance = protocol.prey_distance * hunter
+    for theta in protocol.thetas:
+        seen = Polar(distance, theta, 0.0)
+        body(axes, seen.right, seen.forward, 0, prey, PREY)
+        outward = (np.sin(theta), np.cos(theta))
+        beyond = tuple(part + step * prey / 2 for part, step in zip((seen.right, seen.forward), outward, strict=True))
+        axes.annotate(f"{theta:g}", beyond, (9 * outward[0], 9 * outward[1]), textcoords="offset points",
+                      ha="center", va="center", color=PREY)  # fmt: skip
+    body(axes, 0, 0, 0, hunter, HUNTER)
+    axes.annotate("hunter", (0, -hunter / 2), (0, -3), textcoords="offset points", ha="center", va="top", color=HUNTER)
+    if place.walled:
+        # The arena's x axis is the hunter's heading, which is up here.
+        corner, size = (-place.height * 500, -place.width * 500), (place.height * 1000, place.width * 1000)
+        axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=INK, linewidth=2))
+    frame_axes(axes)
+    reach = distance * 1.35
+    walls = max(place.width, place.height) * 520 if place.walled else reach
+    axes.set_xlim(-max(walls, reach), max(walls, reach))
+    axes.set_ylim(-max(walls, reach), max(walls, reach))
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_title(f"{arena}: prey at θ [rad]")
+
+
+def draw_success(axes: Axes, results: pd.DataFrame, settings: ExperimentSettings, planner: str, arena: str) -> None:
+    """Draw a bar per bearing with its interval; the total, and the published total, as lines."""
+    chosen = results[(results["planner"] == planner) & (results["arena"] == arena)]
+    if chosen.empty:
+        raise InputError(f"the results hold no hunt of planner {planner!r} in arena {arena!r}")
+    rows = summarise(chosen, settings)
+    bearings = [row for row in rows if row["theta"] is not None]
+    total = next(row for row in rows if row["theta"] is None)
+    x = np.arange(len(bearings))
+    shares = np.array([row["success"] for row in bearings]) * 100
+    spread = np.array([[row["success"] - row["ci_low"], row["ci_high"] - row["success"]] for row in bearings]).T * 100
+    axes.bar(x, shares, color=BAR, width=0.68)
+    axes.errorbar(x, shares, yerr=np.clip(spread, 0, None), fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.5)
+    axes.axhline(total["success"] * 100, color=INK, linewidth=1, label=_all(total))
+    if total["paper_success"] is not None:
+        label = f"published: {100 * total['paper_success']:.1f} %"
+        axes.axhline(total["paper_success"] * 100, color=PREY, linewidth=1.2, linestyle=(0, (4, 2)), label=label)
+    axes.set_xticks(x, [f"{row['theta']:g}" for row in bearings])
+    axes.set_ylim(0, 105)
+    axes.set_yticks(range(0, 101, 20))
+    axes.grid(axis="y", color=LINE, linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("θ, first bearing of the prey [rad clockwise]")
+    axes.set_ylabel("caught [%]")
+    axes.set_title(f"{planner}, {_runs(bearings)} per bearing")
+    axes.legend(loc="upper left", bbox_to_anchor=(0, -0.18), fontsize=8, labelcolor=FAINT)
+
+
+def _all(total: dict[str, float]) -> str:
+    share, low, high = (100 * total[name] for name in ("success", "ci_low", "ci_high"))
+    caught = f"all: {total['caught']}/{total['runs']} = {share:.1f} % ({low:.1f} to {high:.1f})"
+    return f"{caught}, mean {total['mean_time_s']:.1f} s"
+
+
+def _runs(bearings: list[dict[str, float]]) -> str:
+    runs = sorted({int(row["runs"]) for row in bearings})
+    return f"{runs[0]} hunts" if len(runs) == 1 else f"{runs[0]} to {runs[-1]} hunts"

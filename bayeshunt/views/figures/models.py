@@ -1,0 +1,282 @@
+"""Figures of what was learned: gait outcomes, the network, a prey transition and the prey table."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, ConnectionPatch
+
+from bayeshunt.core.bins import EFFECTS, Axis
+from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import CAUSES, PREVIOUS, depends_on_previous
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.views import grounds, theme
+from bayeshunt.views.figures.style import ACCENT, BAR, FAINT, INK, LINE, PREY, body, frame_axes, shorten, styled
+
+_MOST_CELLS = 14
+_MOST_DOTS = 300  # per gait
+_LEAST, _SPREAD = 1e-3, 31.0  # dots of probabilities: the least shown; points^2 of a certain bin
+_TALLEST = 14.0  # inch
+
+
+@styled
+def gait_outcomes(model: ForwardModel) -> Figure:
+    """Return where each gait takes the robot (the paper's figure 1c): positions, and headings.
+
+    Dots are the babbling rows if the model holds them, else the centres of the counted cells, larger
+    where more rows fell, or in an imported network of the probable bins, larger where more probable;
+    lines are mean paths (straight to the mean end where part-way poses were not recorded), discs mean ends.
+    """
+    figure = Figure(figsize=(7.2, _height(model, 3.9)), layout="constrained")
+    place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    diameter = model.gaits.body_length * 1000
+    body(place, 0, 0, 0, diameter, INK)
+    counted = model.joint.marginal("Gait") if model.has_counts else np.ones(len(model.gaits))
+    for index in np.flatnonzero(counted).tolist():
+        colour = theme.gait_colour(index)
+        ends, size, turns, turn_size = _ends(model, index)
+        place.scatter(ends.right * 1000, ends.forward * 1000, s=size, color=colour, alpha=0.45, linewidths=0)
+        path = _mean_path(model, index)
+        place.plot(path[:, 1] * 1000, path[:, 0] * 1000, color=colour, linewidth=1.3)
+        body(place, path[-1, 1] * 1000, path[-1, 0] * 1000, path[-1, 2], diameter, colour, linewidth=0.9)
+        turn.scatter(np.degrees(turns), np.full(len(turns), index), s=turn_size, color=colour, alpha=0.45, linewidths=0)
+        turn.plot(math.degrees(path[-1, 2]), index, "|", color=colour, markersize=12, markeredgewidth=1.6)
+    frame_axes(place)
+    place.set_title("Where one step of each gait leads")
+    turn.set_title("Which way it then faces")
+    _name_gaits(turn, model, 18)
+    for index, label in enumerate(turn.get_yticklabels()):
+        label.set_color(theme.gait_colour(index))
+    _degrees(turn, "heading [degrees clockwise]")
+    return figure
+
+
+def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+    """Where one gait ends, a Polar of arrays [N] with the sizes [N] of its dots, and its headings [M] with theirs."""
+    if not model.has_counts:
+        return _probable_ends(model, gait)
+    if model.data:
+        rows = model.rows("Gait", model.gaits.names[gait])
+        rows = rows.iloc[:: max(1, len(rows) // _MOST_DOTS)]
+        ends, size = Polar(*(rows[name].to_numpy() for name in Polar._fields)), np.full(len(rows), 3.5)
+        return ends, size, ends.heading, size
+    mine = model.joint.cells[:, 0] == gait
+    cells, counts = model.joint.cells[mine], model.joint.counts[mine]
+    places = (axis.centres[cells[:, column]] for column, axis in enumerate(model.axes, start=1))
+    ends, size = Polar(*places), 1 + 2.2 * np.sqrt(counts)
+    return ends, size, ends.heading, size
+
+
+def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+    """The same from probabilities alone: bins of less than one in a thousand are left out."""
+    distance, angle, heading = model.axes
+    joint = model.evidence(*np.ogrid[: distance.bins, : angle.bins])[..., gait]
+    share = joint / max(joint.sum(), 1e-300)  # 0 throughout for a gait that is never chosen
+    d, a = np.nonzero(share > _LEAST)
+    turns = model.probabilities("Heading")[:, gait]
+    h = np.flatnonzero(turns > _LEAST)
+    ends = Polar(distance.centres[d], angle.centres[a], None)
+    return ends, 1 + _SPREAD * np.sqrt(share[d, a]), heading.centres[h], 1 + _SPREAD * np.sqrt(turns[h])
+
+
+def _height(model: ForwardModel, least: float) -> float:
+    """Height of a figure [inch] with a line per gait."""
+    return min(max(least, 1.2 + 0.24 * len(model.gaits)), _TALLEST)
+
+
+def _name_gaits(axes: Axes, model: ForwardModel, length: int) -> None:
+    """Name the rows after the gaits, the first on top; smaller where they are very many."""
+    room = 72 * 0.6 * _height(model, 0.0) / len(model.gaits)  # points per name
+    names = [shorten(name, length) for name in model.gaits.names]
+    axes.set_yticks(range(len(names)), names, fontsize=min(8.5, 0.8 * room))
+    axes.set_ylim(len(names) - 0.4, -0.6)
+
+
+def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
+    """Mean poses [P + 2, 3] of a gait from the start: forward, right [m], heading [rad clockwise]."""
+    if model.mean_paths is not None:
+        return np.vstack([np.zeros(3), model.mean_paths[gait]])
+    end = model.predict(model.gaits[gait])
+    return np.array([[0.0, 0.0, 0.0], [end.forward, end.right, end.heading]])
+
+
+@styled
+def network(model: ForwardModel) -> Figure:
+    """Return the network (the paper's figure 1b): its edges, and the distribution over each variable."""
+    figure = Figure(figsize=(7.2, _height(model, 4.2)))
+    before = PREVIOUS in model.known or depends_on_previous(model.structure)
+    gait_axes = figure.add_axes((0.15, 0.34, 0.19, 0.52) if before else (0.15, 0.18, 0.19, 0.68))
+    shares = model.probabilities("Gait")
+    colours = [theme.gait_colour(i) for i in range(len(model.gaits))]
+    gait_axes.barh(range(len(colours)), shares, color=colours, height=0.7)
+    _name_gaits(gait_axes, model, 16)
+    gait_axes.set_title("P(Gait)")
+    boxes = {"Gait": gait_axes}
+    if before:
+        boxes[PREVIOUS] = _gait_before(figure, model)
+    for place, effect in enumerate(EFFECTS):
+        axes = boxes[effect] = figure.add_axes((0.6, 0.765 - 0.305 * place, 0.37, 0.17))
+        _effect_bars(axes, model.axes[effect], model.probabilities(effect) @ shares)
+    known = [(cause, effect) for cause in model.known for effect in EFFECTS]
+    for parent, child in (*model.structure.edges, *known):
+        _edge(figure, boxes[parent], boxes[child], parent in CAUSES)
+    causes = " ".join(f"P({cause})" for cause in model.structure.causes)
+    figure.text(0.02, 0.03, f"{causes} {grounds.description(model)}", fontsize=6.5 if before else 8.5, color=FAINT)
+    return figure
+
+
+def _gait_before(figure: Figure, model: ForwardModel) -> Axes:
+    """A box for the gait before: the one that is known, or that it is summed over."""
+    axes = figure.add_axes((0.15, 0.13, 0.19, 0.09))
+    axes.set(title=PREVIOUS, xticks=[], yticks=[])
+    axes.spines[["top", "right"]].set_visible(True)
+    chances = f", {model.gait_prior}" if model.has_counts else ""
+    said = model.known.get(PREVIOUS, f"summed over{chances}")
+    axes.text(0.5, 0.45, said, ha="center", va="center", fontsize=8, transform=axes.transAxes)
+    return axes
+
+
+def _effect_bars(axes: Axes, axis: Axis, shares: np.ndarray) -> None:
+    if axis.circular:
+        axes.bar(np.degrees(_unwrapped(axis)), shares, width=math.degrees(axis.width) * 0.9, color=BAR)
+        _degrees(axes, "", grid=False)
+        unit = "degrees clockwise"
+    else:
+        axes.bar(axis.centres * 1000, shares, width=axis.width * 900, color=BAR)
+        axes.set_xlim(0, float(axis.edges[-1]) * 1000)
+        unit = "mm"
+    axes.set_title(f"P({axis.name}), {unit}")
+    axes.locator_params(axis="y", nbins=3)
+
+
+def _edge(figure: Figure, parent: Axes, child: Axes, from_gait: bool) -> None:
+    """An arrow between two variables; among effects along the right edge."""
+    start, end = ((1.08, 0.5), (-0.17, 0.5)) if from_gait else ((1.0, 0.4), (1.0, 0.6))
+    bend = "arc3" if from_gait else "arc3,rad=-0.6"
+    figure.add_artist(
+        ConnectionPatch(
+            start, end, "axes fraction", "axes fraction", axesA=parent, axesB=child, arrowstyle="-|>",
+            connectionstyle=bend, mutation_scale=12, color=FAINT, linewidth=1.1,
+        )
+    )  # fmt: skip
+
+
+def _unwrapped(axis: Axis) -> np.ndarray:
+    """Bin centres of a circular axis, increasing."""
+    return (axis.edges[:-1] + axis.edges[1:]) / 2
+
+
+@styled
+def prey_transition(transition: Polar, body_length: float) -> Figure:
+    """Return one pose transition of the prey, in its own frame one time-step earlier (figure 2, left).
+
+    transition: distance [m], angle and heading [rad clockwise]. body_length: metres.
+    """
+    figure = Figure(figsize=(3.6, 3.6), layout="constrained")
+    draw_transition(figure.subplots(), transition, body_length)
+    return figure
+
+
+def draw_transition(axes: Axes, transition: Polar, body_length: float) -> None:
+    """Draw a transition on ``axes``: both poses, its distance, angle and heading."""
+    diameter = body_length * 1000
+    right, ahead = float(transition.right) * 1000, float(transition.forward) * 1000
+    angle, heading = float(transition.angle), float(transition.heading)
+    reach = max(float(transition.distance) * 1000, 1.5 * diameter)
+    axes.plot([0, 0], [0, reach * 0.72], color=FAINT, linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.plot([right, right], [ahead, ahead + diameter * 1.5], color=FAINT, linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.annotate("", (right, ahead), (0, 0), arrowprops={"arrowstyle": "-|>", "color": PREY, "linewidth": 1.2})
+    body(axes, 0, 0, 0, diameter, FAINT, linestyle="--")
+    body(axes, right, ahead, heading, diameter, PREY)
+    facing = (right + diameter * 1.3 * math.sin(heading), ahead + diameter * 1.3 * math.cos(heading))
+    axes.annotate("", facing, (right, ahead), arrowprops={"arrowstyle": "-|>", "color": PREY, "linewidth": 1.2})
+    _arc(axes, 0, 0, reach * 1.1, angle)
+    _arc(axes, right, ahead, diameter * 2.4, heading)
+    side = 1 if right <= 0 else -1  # labels on the side away from the arrow
+    away = (-side * math.cos(angle), side * math.sin(angle))  # across the arrow, on the side without the arc
+    axes.annotate(
+        f"distance {float(transition.distance) * 1000:.0f} mm", (right / 2, ahead / 2), (7 * away[0], 7 * away[1]),
+        textcoords="offset points", ha="right" if away[0] < 0 else "left", va="top" if away[1] < -0.3 else "center",
+        color=PREY,
+    )  # fmt: skip
+    axes.annotate(f"angle {_minus(math.degrees(angle))}°", (0, reach * 0.6), (side * 8, 0), textcoords="offset points",
+                  ha="left" if side > 0 else "right", va="bottom")  # fmt: skip
+    axes.annotate(f"heading {_minus(math.degrees(heading))}°", (right, ahead + diameter * 1.5), (side * 6, 2),
+                  textcoords="offset points", ha="left" if side > 0 else "right", va="bottom")  # fmt: skip
+    axes.annotate("one time-step earlier", (0, -diameter / 2), (0, -5), textcoords="offset points", ha="center",
+                  va="top", color=FAINT)  # fmt: skip
+    frame_axes(axes)
+    low, high = min(0.0, ahead) - diameter * 1.6, max(reach * 0.72, ahead + diameter * 1.5) + diameter * 0.9
+    middle, half = right / 2, max((high - low) / 2, abs(right) / 2 + diameter * 2.2)
+    axes.set_xlim(middle - half, middle + half)
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_title("A transition of the prey")
+
+
+def _arc(axes: Axes, right: float, ahead: float, diameter: float, clockwise: float) -> None:
+    """The angle from straight ahead, clockwise [rad]."""
+    ends = sorted([90.0, 90.0 - math.degrees(float(wrap(clockwise)))])
+    axes.add_patch(Arc((right, ahead), diameter, diameter, theta1=ends[0], theta2=ends[1], color=ACCENT, linewidth=1.3))
+
+
+@styled
+def prey_table(prey: PreyModel) -> Figure:
+    """Return the learned prey table: each transition seen with its probability, count and 95 % interval (figure 2)."""
+    rows = min(len(prey.counts), _MOST_CELLS)
+    figure = Figure(figsize=(5.0, 1.2 + 0.24 * rows), layout="constrained")
+    draw_prey_table(figure.subplots(), prey)
+    return figure
+
+
+def draw_prey_table(axes: Axes, prey: PreyModel) -> None:
+    """Draw the most frequent transitions as bars with their 95 % credible intervals."""
+    frame = prey.cpt().sort_values("count", ascending=False, kind="stable").head(_MOST_CELLS)
+    y = np.arange(len(frame))
+    p = frame["probability"].to_numpy()
+    low, high = (np.clip(s * (frame[name].to_numpy() - p), 0, None) for name, s in (("low", -1), ("high", 1)))
+    axes.barh(y, p, color=BAR, height=0.66)
+    axes.errorbar(p, y, xerr=[low, high], fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.5)
+    labels = [f"{d}, {_degree_label(a)}, {_degree_label(h)}" for d, a, h in frame.index]
+    axes.set_yticks(y, labels)
+    for place, count, end in zip(y, frame["count"], p + high, strict=True):
+        axes.annotate(f"{count}", (end, place), (5, 0), textcoords="offset points", va="center", color=FAINT)
+    axes.invert_yaxis()
+    axes.set_xlim(0, min(1.12, float((p + high).max()) * 1.15))
+    axes.set_xlabel("probability (95 % interval, count)")
+    left = len(prey.counts) - len(frame)
+    rest = f"; {left} rarer cells not shown" if left > 0 else ""
+    axes.set_title(f"Learned from {prey.observations} transitions{rest}")
+    axes.set_ylabel("distance, angle, heading")
+
+
+@styled
+def prey(transition: Polar, learned: PreyModel, body_length: float) -> Figure:
+    """Return the paper's figure 2: a prey transition beside the learned prey table."""
+    rows = min(len(learned.counts), _MOST_CELLS)
+    figure = Figure(figsize=(7.4, max(3.4, 1.2 + 0.26 * rows)), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[1.15, 1])
+    draw_transition(left, transition, body_length)
+    draw_prey_table(right, learned)
+    return figure
+
+
+def _degree_label(label: str) -> str:
+    return label.replace(" deg", "°").replace("-", "−")
+
+
+def _minus(degrees: float) -> str:
+    return f"{degrees:.0f}".replace("-", "−")
+
+
+def _degrees(axes: Axes, label: str, *, grid: bool = True) -> None:
+    axes.set_xlim(-185, 185)
+    axes.set_xticks(range(-180, 181, 90))
+    axes.set_xlabel(label)
+    if grid:
+        axes.grid(axis="x", color=LINE, linewidth=0.5)
+        axes.set_axisbelow(True)

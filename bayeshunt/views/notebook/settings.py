@@ -1,0 +1,110 @@
+"""What a robot, its gaits, an experiment and a planner look like in print and in a notebook."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.planners.api import Shown
+from bayeshunt.planners.catalogue import summarise
+from bayeshunt.views.notebook.html import Html, card, facts, row, table
+from bayeshunt.views.terminal.texts import align, clean
+
+_WIDTH = 100  # columns of running text, at most
+
+
+class Sheet(NamedTuple):
+    """One thing to show: a title, facts by name, and a table (no columns: none)."""
+
+    title: str
+    pairs: list[tuple[str, str]]
+    columns: tuple[str, ...] = ()
+    rows: Sequence[Sequence[str]] = ()
+
+    def text(self) -> str:
+        """Return it as lines of text."""
+        width = max((len(name) for name, _ in self.pairs), default=0)
+        lines = textwrap.wrap(self.title, _WIDTH) + [f"{name:<{width}}  {value}" for name, value in self.pairs]
+        left = set(range(len(self.columns))) if self.columns[1:] == ("command",) else {0}
+        return "\n".join([*lines, *(["", *align(self.columns, self.rows, left=left)] if self.rows else [])])
+
+    def html(self) -> Html:
+        """Return it as a display of its own."""
+        body = table(self.columns, [row(cells[0], cells[1:]) for cells in self.rows]) if self.rows else None
+        title, _, subtitle = self.title.partition(": ")
+        return card(title, subtitle, facts(self.pairs), body)
+
+
+def robot(shown: RobotSettings) -> Sheet:
+    """Return a robot: its body, its noise, and a row per gait."""
+    body, noise = shown.body, shown.noise
+    car = body.drive == "car"
+    length = ("wheelbase", body.wheelbase) if car else ("axle", body.axle)
+    steering = f"steering ±{math.degrees(body.max_steering):.0f}° at {math.degrees(body.max_steering_rate):.0f}°/s"
+    limits = [f"acceleration {body.max_acceleration:g} m/s2", f"traction {body.max_traction:g} m/s2"]
+    pairs = [
+        ("body", f"disc of {_mm(body.diameter)}, {length[0]} {_mm(length[1])}, {body.drive} drive"),
+        ("limits", ", ".join([*limits, steering] if car else limits)),
+        ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
+        ("top speed", f"{1000 * shown.top_speed:g} mm/s"),
+        ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
+    ]
+    columns = ("gait", "speed mm/s", "steering °") if car else ("gait", "left mm/s", "right mm/s")
+    rows = []
+    for gait in shown.gait:
+        one, other = (gait.speed, gait.steering) if car else (gait.left, gait.right)
+        second = math.degrees(other or 0.0) if car else 1000 * (other or 0.0)
+        rows.append((clean(gait.name), f"{1000 * (one or 0.0):.1f}", f"{second:.1f}"))
+    return Sheet(f"Robot {clean(shown.name)}: {shown.description or 'no description'}", pairs, columns, rows)
+
+
+def gaits(shown: GaitRepertoire) -> Sheet:
+    """Return a repertoire: a row per gait, with its command in the body's own units."""
+    pairs = [("body length", _mm(shown.body_length)), ("time-step", f"{shown.duration:g} s, held by every gait")]
+    rows = [(clean(gait.name), ", ".join(f"{value:g}" for value in gait.command)) for gait in shown]
+    return Sheet(f"Gaits: {len(shown)}, in the order of every table", pairs, ("gait", "command"), rows)
+
+
+def experiment(shown: ExperimentSettings) -> Sheet:
+    """Return an experiment: who hunts whom, where, how often."""
+    protocol, prey = shown.protocol, shown.prey
+    bearings = ", ".join(f"{theta:g}" for theta in protocol.thetas)
+    pairs = [
+        (
+            "robot",
+            f"{shown.robot.name}, {len(shown.robot.gait)} gaits, top speed {1000 * shown.robot.top_speed:g} mm/s",
+        ),
+        ("prey", f"{prey.behaviour}, {1000 * prey.speed:g} mm/s, starts {protocol.prey_distance:g} bodies away"),
+        ("bearings", f"{bearings} rad, {protocol.runs} runs each"),
+        ("a hunt", f"ends at {protocol.catch_distance:g} bodies (a catch) or after {protocol.time_limit:g} s"),
+        ("learning", f"{shown.model.babbling_steps} gaits babbled, prior {shown.model.prior:g}"),
+        ("planners", ", ".join(shown.planners)),
+        *((f"set: {name}", ", ".join(f"{k} {v}" for k, v in chosen.items())) for name, chosen in shown.planner.items()),
+    ]
+    rows = [(name, f"{_mm(a.width)} x {_mm(a.height)}" if a.walled else "no walls") for name, a in shown.arenas.items()]
+    return Sheet(f"Experiment {clean(shown.name)}: {shown.note or 'no note'}", pairs, ("arena", "size"), rows)
+
+
+def planner(shown: Shown) -> Sheet:
+    """Return a planner: what it does and what it was set to."""
+    rows = [(name, str(value)) for name, value in shown.chosen().items()]
+    known = getattr(shown, "gaits", ())
+    pairs = [("gaits", ", ".join(map(clean, known)))] if known else []
+    return Sheet(f"Planner {shown.name}: {summarise(type(shown))}", pairs, ("setting", "value"), rows)
+
+
+def _mm(metres: float) -> str:
+    return f"{1000 * metres:g} mm"
+
+
+#: How each class is shown.
+SHEETS: dict[type, Callable[..., Sheet]] = {
+    RobotSettings: robot,
+    GaitRepertoire: gaits,
+    ExperimentSettings: experiment,
+    Shown: planner,
+}

@@ -1,0 +1,155 @@
+"""Probability tables as heat maps: the count and the interval of every cell at hand, long tables readable."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import NothingObservedError
+from bayeshunt.models.tables.probability_table import ProbabilityTable
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.views.drawings import maps, svg
+from bayeshunt.views.notebook.html import Html, card, facts, fold, join, number, probability, row, table, tag
+
+#: Of a longer table only the likeliest bins are shown.
+MOST_ROWS = 200
+#: Nor more cells than a browser shows at once, some 2 MB of page.
+_MOST_CELLS = 12_000
+
+
+def probability_table(shown: ProbabilityTable) -> Html:
+    """Return a table as a display of its own."""
+    bins, columns = shown.probability.shape
+    return card(shown.name, f"{bins} x {columns}, {_origin(shown)}", heat_table(shown))
+
+
+def _origin(shown: ProbabilityTable) -> str:
+    if shown.count is None:
+        return "imported: no counts, no intervals"
+    prior = f"prior {number(shown.prior)}" if shown.prior else "maximum likelihood (no prior)"
+    return f"{int(shown.count.to_numpy().sum())} rows, {prior}"
+
+
+def heat_table(shown: ProbabilityTable) -> Html:
+    """Return the heat table of one CPT, with switches that show counts and intervals where these are known."""
+    values = shown.probability.to_numpy()
+    behind = _behind(shown)
+    kept = _rows_to_show(values)
+    labels, columns = list(shown.probability.index), list(shown.probability.columns)
+    top = max(float(values.max()), 1e-300)
+    rows = []
+    for i in kept:
+        cells = [
+            _cell(shown, (labels[i], columns[j]), values[i, j], [a[i, j] for a in behind], top)
+            for j in range(len(columns))
+        ]
+        rows.append(row(labels[i], cells))
+    shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")][: len(behind) // 2]
+    switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
+    left_out = len(labels) - len(kept)
+    note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
+    hint = f"Hover a cell for its {('probability', 'count', 'count and interval')[len(behind) // 2]}."
+    heat = table([shown.variable, *columns], rows, class_="bh-heat")
+    body = tag("div", heat, class_="bh-readout", data_hint=hint)
+    return tag("div", *switches, body, note, class_="bh-table")
+
+
+def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
+    """Count, the total of the column, low and high of every cell [K, G]; without those that nobody knows."""
+    if shown.count is None:
+        return []
+    count = shown.count.to_numpy()
+    counted = [count, np.broadcast_to(count.sum(axis=0), count.shape)]
+    return (
+        counted if shown.low is None or shown.high is None else [*counted, shown.low.to_numpy(), shown.high.to_numpy()]
+    )
+
+
+def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float) -> Html:
+    given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
+    known = "".join(f", {variable} = {state}" for variable, state in shown.known.items())
+    column = f" | {place[1]}{known}" if shown.variable != "Gait" else ""
+    hint = f"P({given}{column}) = {p:.4f}"
+    content = [tag("span", probability(p), class_="bh-p")]
+    if behind:
+        n, total, *limits = behind
+        if limits:
+            hint += ", {:g} % interval {:.4f} to {:.4f}".format(100 * shown.level, *limits)
+        hint += f", {int(n)} of {int(total)} rows"
+        content.append(tag("span", int(n) or "·", class_="bh-n"))
+        content += [tag("span", "{:.3f} to {:.3f}".format(*limits), class_="bh-i")] if limits else []
+    shade = math.sqrt(p / top)
+    zero = "bh-zero" if p == 0 else None
+    return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
+
+
+def _rows_to_show(values: np.ndarray) -> list[int]:
+    """All rows of a readable table; of a larger one the likeliest, in order."""
+    most = min(MOST_ROWS, max(20, _MOST_CELLS // values.shape[1]))
+    if len(values) <= most:
+        return list(range(len(values)))
+    return sorted(np.argsort(-values.max(axis=1), kind="stable")[:most].tolist())
+
+
+def prey_model(prey: PreyModel) -> Html:
+    """Return the prey table: each transition seen, how often, and where it leads."""
+    title = "Prey model: P(Distance, Angle, Heading)"
+    subtitle = f"{prey.observations} transitions, in the prey's own frame one time-step earlier"
+    if prey.is_empty:
+        return card(title, subtitle, tag("div", "Nothing observed yet, so nothing can be predicted."))
+    return card(title, subtitle, expected(prey), tag("div", prey_map(prey), prey_table(prey), class_="bh-two"))
+
+
+def expected(prey: PreyModel) -> Html | None:
+    """Return the mean transition in words; None if the headings seen leave no mean."""
+    try:
+        mean = prey.predict(1)
+    except NothingObservedError:
+        return None
+    return facts(
+        [
+            ("expected next distance", f"{mean.distance * 1000:.1f} mm"),
+            ("expected angle", f"{math.degrees(mean.angle):.1f}° clockwise"),
+            ("expected heading", f"{math.degrees(mean.heading):.1f}° clockwise"),
+        ]
+    )
+
+
+def prey_table(prey: PreyModel) -> Html:
+    """Return the cells seen, the most frequent first."""
+    frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
+    rows = []
+    for labels, p, n, low, high in zip(
+        frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
+    ):
+        cells = [*labels[1:], f"{p:.3f}", n, f"{low:.3f} to {high:.3f}"]
+        rows.append(row(labels[0], cells))
+        if len(rows) == MOST_ROWS:
+            break
+    shown = table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows)
+    rest = len(frame) - len(rows)
+    return join([shown, tag("div", f"and {rest} rarer cells", class_="bh-note") if rest else None])
+
+
+def prey_map(prey: PreyModel) -> Html:
+    """Return where the prey's steps led, as arrows in its own earlier frame (heading up)."""
+    cells = np.array(prey.to_dict()["counts"])[:, :3]
+    weights = np.array(prey.to_dict()["counts"])[:, 3]
+    axes = prey.axes
+    reach = (cells[:, 0] + 0.5) * axes.distance.width
+    angles, headings = axes.angle.centres[cells[:, 1]], axes.heading.centres[cells[:, 2]]
+    right, ahead = reach * np.sin(angles), reach * np.cos(angles)
+    window = maps.Window.around([0.0, *right], [0.0, *ahead], size=240, least=float(reach.max()))
+    parts = [window.robot(0, 0, math.pi / 2, svg.FAINT, "the prey one time-step earlier", 9)]
+    for i in np.argsort(weights, kind="stable")[-400:]:
+        size = 4 + 8 * math.sqrt(weights[i] / weights.max())
+        hint = f"{weights[i]} of {prey.observations} transitions"
+        parts.append(window.robot(right[i], ahead[i], math.pi / 2 - headings[i], svg.PREY, hint, size))
+    return svg.drawing(window.width, window.height, *parts, window.ruler(), label="Where the prey's steps led")
+
+
+def folded_tables(tables: list[ProbabilityTable]) -> Html:
+    """Return several tables, each opening at a click, the first one open."""
+    return join(fold(t.name, heat_table(t), open_=i == 0) for i, t in enumerate(tables))

@@ -1,0 +1,140 @@
+"""Geometry of the report's charts: what goes where, in pixels; the template turns it into SVG.
+
+Every chart has one series per planner, in one order and with one colour and marker throughout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.config.schema import ExperimentSettings
+
+#: Size of a chart [px]; the page scales it.
+WIDTH, HEIGHT = 440, 290
+_LEFT, _RIGHT, _TOP, _BOTTOM = 46, 14, 14, 44
+_COLOURS = 8
+#: Marker outlines around (0, 0), as SVG paths: they tell the planners apart where colours do not.
+MARKERS = (
+    "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
+    "M-3.7-3.7h7.4v7.4h-7.4z",
+    "M0-4.8L4.6 3.4H-4.6z",
+    "M0-5.2L5.2 0L0 5.2L-5.2 0z",
+    "M0 4.8L4.6-3.4H-4.6z",
+)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Maps values from ``low`` to ``high`` to pixels from ``start`` to ``end``."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+
+    def __call__(self, value: float) -> float:
+        """Return the pixel of ``value``, in tenths."""
+        share = (value - self.low) / ((self.high - self.low) or 1.0)
+        return round(self.start + share * (self.end - self.start), 1)
+
+
+def styles(planners: list[str]) -> dict[str, dict[str, Any]]:
+    """Return the colour class and marker of every planner."""
+    return {
+        name: {"planner": name, "colour": i % _COLOURS + 1, "marker": MARKERS[i % len(MARKERS)]}
+        for i, name in enumerate(planners)
+    }
+
+
+def success_charts(rows: list[dict[str, Any]], looks: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return per arena the chart of success by bearing, with 95 % intervals; ``rows`` as ``summarise`` gives them."""
+    charts = []
+    thetas = sorted({row["theta"] for row in rows if row["theta"] is not None})
+    for arena in _arenas(rows):
+        here = [row for row in rows if row["arena"] == arena]
+        names = list(dict.fromkeys(row["planner"] for row in here))
+        x, y = _across(thetas), Scale(0.0, 1.0, HEIGHT - _BOTTOM, _TOP)
+        chart = _frame(f"Success by first bearing of the prey, {arena} arena", x, y, thetas, _percent_ticks())
+        chart |= {"arena": arena, "x_label": "first bearing of the prey [rad, clockwise]", "y_label": "caught"}
+        chart["series"] = [
+            {**looks[name], "points": _whiskers([r for r in here if r["planner"] == name], x, y, _dodge(i, len(names)))}
+            for i, name in enumerate(names)
+        ]
+        for series in chart["series"]:
+            series["line"] = " ".join(f"{p['x']},{p['y']}" for p in series["points"])
+        charts.append(chart)
+    return charts
+
+
+def time_charts(
+    results: pd.DataFrame, settings: ExperimentSettings, looks: dict[str, dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Return per arena the chart of the share of hunts that ended in a catch by each time."""
+    charts, limit = [], settings.protocol.time_limit
+    for arena, hunts in results.groupby("arena", sort=False):
+        x, y = Scale(0.0, limit, _LEFT, WIDTH - _RIGHT), Scale(0.0, 1.0, HEIGHT - _BOTTOM, _TOP)
+        ticks = [round(limit * i / 6, 6) for i in range(7)]
+        chart = _frame(f"Share caught by time, {arena} arena", x, y, ticks, _percent_ticks())
+        chart |= {"arena": str(arena), "x_label": "time since the start [s]", "y_label": "caught by then"}
+        chart["series"] = [
+            {**looks[str(name)], "points": [], "line": _staircase(some, limit, x, y)}
+            for name, some in hunts.groupby("planner", sort=False)
+        ]
+        charts.append(chart)
+    return charts
+
+
+def _frame(title: str, x: Scale, y: Scale, x_ticks: list[float], y_ticks: list[tuple[float, str]]) -> dict[str, Any]:
+    return {
+        "title": title, "width": WIDTH, "height": HEIGHT,
+        "left": _LEFT, "right": WIDTH - _RIGHT, "top": _TOP, "bottom": HEIGHT - _BOTTOM,
+        "x_ticks": [(x(value), f"{value:g}") for value in x_ticks],
+        "y_ticks": [(y(value), label) for value, label in y_ticks],
+    }  # fmt: skip
+
+
+def _percent_ticks() -> list[tuple[float, str]]:
+    return [(i / 4, f"{25 * i} %") for i in range(5)]
+
+
+def _across(thetas: list[float]) -> Scale:
+    """Room for half a step beside the first and the last bearing."""
+    half = 0.5 * min(np.diff(thetas)) if len(thetas) > 1 else 0.5
+    return Scale(thetas[0] - half, thetas[-1] + half, _LEFT, WIDTH - _RIGHT)
+
+
+def _dodge(place: int, count: int) -> float:
+    """Pixels by which a planner's marks move sideways, so that intervals stay apart."""
+    return round((place - (count - 1) / 2) * min(7.0, 40.0 / count), 1)
+
+
+def _whiskers(rows: list[dict[str, Any]], x: Scale, y: Scale, aside: float) -> list[dict[str, Any]]:
+    return [
+        {
+            "x": round(x(row["theta"]) + aside, 1),
+            "y": y(row["success"]), "low": y(row["ci_low"]), "high": y(row["ci_high"]),
+            "text": f"{row['planner']}, theta {row['theta']:g}: {row['caught']} of {row['runs']} caught, "
+            f"{row['success']:.1%} ({row['ci_low']:.1%} to {row['ci_high']:.1%})",
+        }
+        for row in rows
+        if row["theta"] is not None
+    ]  # fmt: skip
+
+
+def _staircase(hunts: pd.DataFrame, limit: float, x: Scale, y: Scale) -> str:
+    """Points of the empirical distribution of catch times; misses never arrive."""
+    times = np.sort(hunts.loc[hunts["caught"], "time"].to_numpy())
+    points, before = [(x(0.0), y(0.0))], 0.0
+    for time in np.unique(times):
+        share = float(np.searchsorted(times, time, side="right")) / len(hunts)
+        points += [(x(time), y(before)), (x(time), y(share))]
+        before = share
+    return " ".join(f"{a},{b}" for a, b in [*points, (x(limit), y(before))])
+
+
+def _arenas(rows: list[dict[str, Any]]) -> list[str]:
+    return list(dict.fromkeys(row["arena"] for row in rows))

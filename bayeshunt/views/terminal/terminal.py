@@ -1,0 +1,235 @@
+"""What people see in a terminal: tables, bars, progress. Messages go to stderr, results to stdout."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator
+from datetime import timedelta
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
+from bayeshunt.views.units import degrees, millimetres, objective
+
+out = Console(highlight=False, markup=False)  # units stand in square brackets
+messages = Console(stderr=True, highlight=False, markup=False)
+
+_BAR = 30  # characters of a full bar
+_WORD = len("Ornstein-Uhlenbeck")  # the longest word of a meaning
+
+
+@contextlib.contextmanager
+def progress_bar(label: str, total: int | None, *, quiet: bool = False) -> Iterator[Callable[[int], None]]:
+    """Show a progress bar on stderr while the block runs; yields the function that advances it.
+
+    total: None if nobody knows how much there is: then the bar says only that work goes on, and for how long.
+    """
+    counted = () if total is None else (MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), *(counted or (TimeElapsedColumn(),)))
+    with Progress(*columns, console=messages, transient=True, disable=quiet or not messages.is_terminal) as progress:
+        task = progress.add_task(label, total=total)
+        yield lambda count: progress.update(task, advance=count)
+
+
+def say(line: str) -> None:
+    """Print one message line on stderr; what has been done does not fail because nobody can be told."""
+    with contextlib.suppress(OSError):
+        messages.print(line, soft_wrap=True, markup=False)
+
+
+def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
+    """Print the table of an evaluation: the totals, the paper's figures beside ours."""
+    # per bearing the paper printed nothing that could stand beside ours
+    printed = not per_theta and any(row["paper_success"] is not None for row in facts["rows"])
+    beside = ("paper %", "diff") if printed else ()
+    marked = facts.get("not_ab_initio", ())
+    places = [folding("planner"), word("arena"), *([word("theta")] if per_theta else [])]
+    table = TextTable(
+        *places, "caught", "success %", "95 % interval", "mean s", *beside,
+        title=f"{facts['experiment']}, seed {facts['seed']}",
+    )  # fmt: skip
+    previous = None
+    for row in facts["rows"]:
+        total = row["theta"] is None
+        if not total and not per_theta:
+            continue
+        place = (row["planner"], row["arena"]) if per_theta else row["arena"]
+        if previous is not None and place != previous:
+            table.section()
+        previous = place
+        cells = _cells(row)
+        cells[0] += " *" if row["planner"] in marked else ""
+        shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
+        table.row(*shown, style="bold" if total and per_theta else None)
+    table.print(out)
+    if facts["note"]:
+        out.print(Text(facts["note"], style="italic"))
+    if marked:
+        out.print("* Not ab initio: given more than it learns within the run (a bound, or earlier runs).", style="dim")
+    out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+
+
+def status_table(found: Any) -> None:
+    """Print how far an evaluation is."""
+    table = TextTable(word("planner"), word("arena"), "ended", "of", "caught", ruled=False)
+    for share in found.shares:
+        table.row(share.planner, share.arena, f"{share.ended:,}", f"{share.planned:,}", f"{share.caught:,}")
+    table.print(out)
+    percent = 100 * found.ended / found.planned
+    out.print(f"{found.experiment}: {found.ended:,} of {found.planned:,} hunts, {percent:.1f} %", style="bold")
+    if found.running and found.rate:
+        left = timedelta(seconds=round(found.seconds_left))
+        out.print(f"running (process {found.process} on {found.host}), {found.rate:.0f} hunts/s, {left} left")
+    elif found.running:
+        out.print(f"running (process {found.process} on {found.host})")
+    elif found.ended < found.planned:
+        out.print("not running; the evaluate line that started it goes on from here")
+    else:
+        out.print("finished")
+
+
+def episode_table(episode: Any) -> None:
+    """Print one hunt: a row per decision, then how it ended."""
+    table = TextTable(
+        "step", "time", "prey at", "bearing", "aims at", word("gait"), "value", "moves seen",
+        title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
+    )  # fmt: skip
+    for row in episode.frame.itertuples():
+        seen = millimetres(row.seen_distance), degrees(row.seen_angle), millimetres(row.target_distance)
+        value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
+        table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
+    table.print(out)
+    what = objective(0.0, episode.frame["objective"].iloc[0])[1] if len(episode.frame) else ""
+    out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
+    if len(episode.frame) and episode.frame["target_distance"].notna().any():
+        out.print(
+            "aims at: distance of the place it makes for; who predicts makes for one some steps ahead.", style="dim"
+        )
+    ending = f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s"
+    out.print(ending, style="bold")
+
+
+def settings_table(rows: list[dict[str, Any]]) -> None:
+    """Print every settings key with its range, default and meaning."""
+    table = TextTable(word("key"), folding("range"), folding("default"), folding("meaning", _WORD), ruled=False)
+    for row in rows:
+        table.row(row["key"], row["range"], toml_text(row["default"]), row["meaning"])
+    table.print(out)
+
+
+def sweep_table(frame: Any) -> None:
+    """Print a sweep: one row per point, planner and arena."""
+    axes = frame.attrs["axes"]
+    table = TextTable(
+        *map(folding, axes), folding("planner", 15), word("arena"), "caught", "success %", "95 % interval", "mean s",
+        title=f"{frame.attrs['experiment']}, seed {frame.attrs['seed']}",
+    )  # fmt: skip
+    previous = None
+    for row in frame.to_dict("records"):
+        point = [row[name] for name in axes]
+        if previous is not None and point != previous:
+            table.section()
+        previous = point
+        shown = [f"{v:g}" if isinstance(v, float) else str(v) for v in point]
+        cells = _cells({**row, "theta": None, "paper_success": None})
+        table.row(*shown, *cells[:2], *cells[3:7])
+    table.print(out)
+    if frame.attrs["note"]:
+        out.print(Text(frame.attrs["note"], style="italic"))
+    out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+
+
+def tradeoff_table(frame: Any) -> None:
+    """Print a trade-off: one row per planner and weight."""
+    table = TextTable(
+        folding("planner", 10), folding("varied", 11), "caught", "95 %", "s", "m", "changes", "ms", "cost",
+        title="{experiment} in {arena}, seed {seed}".format(**frame.attrs),
+    )  # fmt: skip
+    for row in frame.to_dict("records"):
+        varied = f"{row['weight']} {row['value']:g}" if row["weight"] else ""
+        caught, _, interval, mean = _cells({**row, "arena": "", "theta": None, "paper_success": None})[3:7]
+        interval = interval.replace(" to ", "-")  # so that all fits into 80 columns
+        table.row(
+            row["planner"], varied, caught, interval, mean,
+            f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
+            f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
+        )  # fmt: skip
+    table.print(out)
+    weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
+    out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
+    out.print("95 %: Wilson interval of the success in per cent. s, m, changes: mean time, distance and changes "
+              "of gait of a hunt. ms: median time of one decision.", style="dim")  # fmt: skip
+    if frame.attrs["note"]:
+        out.print(Text(frame.attrs["note"], style="italic"))
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    paper = row["paper_success"]
+    return [
+        row["planner"],
+        row["arena"],
+        "all" if row["theta"] is None else f"{row['theta']:g}",
+        f"{row['caught']}/{row['runs']}",
+        f"{100 * row['success']:.1f}",
+        f"{100 * row['ci_low']:.1f} to {100 * row['ci_high']:.1f}",
+        f"{row['mean_time_s']:.1f}",
+        "" if paper is None else f"{100 * paper:.1f}",
+        "" if paper is None else f"{100 * (row['success'] - paper):+.1f}",
+    ]
+
+
+def posterior_bars(answer: Any) -> None:
+    """Print a posterior over gaits as bars, with what it rests on."""
+    from bayeshunt.views import grounds
+
+    out.print(Text(f"P(Gait | {', '.join(answer.evidence)})", style="bold"))
+    table = TextTable(word("gait"), word("bar"), "probability", ruled=False, head=False)
+    for gait, probability in answer.probabilities.items():
+        style = "bold" if gait == answer.best else None
+        table.row(gait, f"{_bar(float(probability)):<{_BAR}}", f"{probability:.4f}", style=style)
+    table.print(out)
+    used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
+    for variable, state in answer.model.known.items():
+        out.print(Text(f"{variable:<21}{state}"))
+    out.print(f"asked                {answer.asked}")
+    out.print(f"{grounds.coordinate_used(answer.model):<18}   {used}")
+    if answer.snapped:
+        out.print(f"                     ({grounds.snapped(answer)})")
+    out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
+    out.print(f"support              {grounds.support(answer)}")
+    if answer.beyond:
+        out.print(grounds.beyond(answer), style="italic")
+
+
+def explanation_table(answer: Any) -> None:
+    """Print what each variable said of each gait: log-odds against the best of the others, part by part."""
+    frame = answer.explain()
+    parts = ["prior", "Distance", "Angle", *(["Heading"] if answer.heading is not None else []), "log_odds"]
+    out.print()
+    out.print(Text("What each variable said", style="bold"))
+    table = TextTable(word("gait"), word("compared with"), *(part.replace("_", "-") for part in parts))
+    for gait, row in frame.iterrows():
+        style = "bold" if gait == answer.best else None
+        numbers = ("never" if row[part] == -math.inf else f"{row[part]:+.2f}" for part in parts)
+        table.row(gait, row["reference"], *numbers, style=style)
+    table.print(out)
+    never = "not seen there" if answer.model.has_counts else "of probability 0 there"
+    out.print(f"Natural logarithms of ratios; the parts add up to the log-odds. never: {never}.", style="dim")
+
+
+def _bar(share: float) -> str:
+    if out.options.ascii_only:
+        return "#" * round(share * _BAR)
+    eighths = round(share * _BAR * 8)
+    return "█" * (eighths // 8) + ("▏▎▍▌▋▊▉"[eighths % 8 - 1] if eighths % 8 else "")

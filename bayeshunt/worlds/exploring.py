@@ -1,0 +1,66 @@
+"""Babbling inside an arena: random gaits from the starting pose, walls included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.geometry import Pose
+from bayeshunt.data.babbling_table import PROVENANCE_KEY
+from bayeshunt.worlds.babbling import hold, interval_steps, provenance
+from bayeshunt.worlds.box2d.arena import build_walls, new_world
+from bayeshunt.worlds.box2d.bodies import build_drive
+
+
+def explore(
+    robot: RobotSettings,
+    arena: ArenaSettings,
+    steps: int,
+    seed: int,
+    *,
+    physics: PhysicsSettings | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> pd.DataFrame:
+    """Return where random gaits took the robot, alone in ``arena``; it starts in the centre, facing along x.
+
+    Columns: step, gait, interval (1..13, part-way through the step), x, y [m], theta [rad,
+    counter-clockwise] in the frame of the start, as dead reckoning gives them. One row per interval.
+
+    steps: gaits executed, each equally often, in random order. progress: called with 1 after every step.
+    Raises InputError if ``steps`` or
+    ``seed`` is not a whole number in range.
+    """
+    check_whole(steps, "steps", 1)
+    check_whole(seed, "seed", 0)
+    physics = physics or PhysicsSettings()
+    choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed, 1]).spawn(2))
+    order = choice.permutation(np.arange(steps) % len(robot.gaits))
+    world, unit = new_world(), robot.body.diameter
+    if arena.walled:
+        build_walls(world, arena.width / unit, arena.height / unit)
+    drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
+    counts = interval_steps(physics.steps(robot.gait_duration))
+    poses: list[Pose] = []
+    for gait in order.tolist():
+        poses.extend(hold(world, drive, physics, robot.gaits[gait].command, counts))
+        if progress is not None:
+            progress(1)
+    x, y, theta = np.array(poses).T
+    names = np.array(robot.gaits.names, dtype=object)[order]
+    frame = pd.DataFrame(
+        {
+            "step": np.repeat(np.arange(steps), len(counts)),
+            "gait": np.repeat(names, len(counts)),
+            "interval": np.tile(np.arange(1, len(counts) + 1), steps),
+            "x": x,
+            "y": y,
+            "theta": theta,
+        }
+    )
+    record = {**provenance(robot, physics, steps, seed), "kind": "exploration", "arena": arena.model_dump(mode="json")}
+    frame.attrs[PROVENANCE_KEY] = record
+    return frame
