@@ -7,18 +7,22 @@ import copy
 import difflib
 import os
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from bayeshunt.config.describing import describe, keys_at
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.core.errors import ConfigError, InputError
+from bayeshunt.files.parquet import PROVENANCE_KEY
 
 if TYPE_CHECKING:
     import pandas as pd
+
+__all__ = ["describe", "load_experiment", "load_robot", "parse", "preset_names", "recorded_robot"]
 
 Kind = TypeVar("Kind", bound=BaseModel)
 
@@ -70,8 +74,6 @@ def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") ->
     source: what starts an error message, for example "babbling.parquet: ". Raises InputError if the
     table does not say, ConfigError if the record is damaged.
     """
-    from bayeshunt.files.parquet import PROVENANCE_KEY
-
     record = frame if isinstance(frame, Mapping) else frame.attrs.get(PROVENANCE_KEY, {})
     recorded = record.get("robot")
     if recorded is None:
@@ -198,7 +200,7 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     first = error.errors(include_url=False)[0]
     key = _key(first["loc"], values)
     if first["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(str(first["loc"][-1]), _keys_at(kind, first["loc"][:-1]), n=1)
+        near = difflib.get_close_matches(str(first["loc"][-1]), keys_at(kind, first["loc"][:-1]), n=1)
         hint = f"did you mean {near[0]!r}?" if near else "it is not a setting"
         return f"{key}: unknown key; {hint}"
     if first["type"] == "missing":
@@ -225,70 +227,3 @@ def _key(location: tuple[int | str, ...], values: Any) -> str:
         else:
             key += f".{part}" if key else str(part)
     return key
-
-
-def _keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
-    """Names of the settings that may stand at ``location``."""
-    for part in location:
-        fields = getattr(kind, "model_fields", {})
-        if part in fields:
-            kind = _settings_inside(fields[part].annotation) or kind
-    return list(getattr(kind, "model_fields", {}))
-
-
-def describe(kind: str) -> list[dict[str, Any]]:
-    """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
-
-    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1").
-    Raises ConfigError for another kind.
-    """
-    kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
-    if kind not in kinds:
-        raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
-    return list(_describe(kinds[kind], ""))
-
-
-def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
-    schema = kind.model_json_schema()["properties"]
-    for name, info in kind.model_fields.items():
-        inner = _settings_inside(info.annotation)
-        if inner is not None:
-            many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
-            yield from _describe(inner, f"{prefix}{name}{many}.")
-            continue
-        default = None if info.is_required() else info.get_default(call_default_factory=True)
-        yield {
-            "key": prefix + name,
-            "range": _range(schema.get(name, {})),
-            "default": "required" if info.is_required() else default,
-            "meaning": info.description or "",
-        }
-
-
-def _settings_inside(annotation: Any) -> type[BaseModel] | None:
-    """The settings class that an annotation is or holds, if any."""
-    options = [annotation, *getattr(annotation, "__args__", ())]
-    return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
-
-
-#: Types of a JSON schema in words.
-_TYPES = {
-    "string": "text", "integer": "whole number", "number": "number", "boolean": "true or false", "array": "list",
-    "object": "group", "null": "none", None: "any",
-}  # fmt: skip
-
-
-def _range(schema: dict[str, Any]) -> str:
-    """A readable range from a JSON schema."""
-    if "enum" in schema:
-        return " | ".join(map(str, schema["enum"]))
-    if "anyOf" in schema:
-        return " or ".join(_range(option) for option in schema["anyOf"])
-    low = schema.get("minimum", schema.get("exclusiveMinimum"))
-    high = schema.get("maximum", schema.get("exclusiveMaximum"))
-    limits = []
-    if low is not None and low > -1e6:
-        limits.append(f"{'>=' if 'minimum' in schema else '>'} {low:g}")
-    if high is not None and high < 1e6:
-        limits.append(f"{'<=' if 'maximum' in schema else '<'} {high:g}")
-    return f"{_TYPES[schema.get('type')]} {', '.join(limits)}".rstrip()

@@ -1,0 +1,80 @@
+"""The keys of settings files in words: name, range, default and meaning, read off the schema."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel
+
+from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.core.errors import ConfigError
+
+__all__ = ["describe", "keys_at"]
+
+
+def describe(kind: str) -> list[dict[str, Any]]:
+    """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
+
+    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1").
+    Raises ConfigError for another kind.
+    """
+    kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
+    if kind not in kinds:
+        raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
+    return list(_describe(kinds[kind], ""))
+
+
+def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
+    """Names of the settings that may stand at ``location``."""
+    for part in location:
+        fields = getattr(kind, "model_fields", {})
+        if part in fields:
+            kind = _settings_inside(fields[part].annotation) or kind
+    return list(getattr(kind, "model_fields", {}))
+
+
+def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
+    schema = kind.model_json_schema()["properties"]
+    for name, info in kind.model_fields.items():
+        inner = _settings_inside(info.annotation)
+        if inner is not None:
+            many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
+            yield from _describe(inner, f"{prefix}{name}{many}.")
+            continue
+        default = None if info.is_required() else info.get_default(call_default_factory=True)
+        yield {
+            "key": prefix + name,
+            "range": _range(schema.get(name, {})),
+            "default": "required" if info.is_required() else default,
+            "meaning": info.description or "",
+        }
+
+
+def _settings_inside(annotation: Any) -> type[BaseModel] | None:
+    """The settings class that an annotation is or holds, if any."""
+    options = [annotation, *getattr(annotation, "__args__", ())]
+    return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
+
+
+#: Types of a JSON schema in words.
+_TYPES = {
+    "string": "text", "integer": "whole number", "number": "number", "boolean": "true or false", "array": "list",
+    "object": "group", "null": "none", None: "any",
+}  # fmt: skip
+
+
+def _range(schema: dict[str, Any]) -> str:
+    """A readable range from a JSON schema."""
+    if "enum" in schema:
+        return " | ".join(map(str, schema["enum"]))
+    if "anyOf" in schema:
+        return " or ".join(_range(option) for option in schema["anyOf"])
+    low = schema.get("minimum", schema.get("exclusiveMinimum"))
+    high = schema.get("maximum", schema.get("exclusiveMaximum"))
+    limits = []
+    if low is not None and low > -1e6:
+        limits.append(f"{'>=' if 'minimum' in schema else '>'} {low:g}")
+    if high is not None and high < 1e6:
+        limits.append(f"{'<=' if 'maximum' in schema else '<'} {high:g}")
+    return f"{_TYPES[schema.get('type')]} {', '.join(limits)}".rstrip()

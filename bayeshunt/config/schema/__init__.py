@@ -1,0 +1,27 @@
+"""Typed, frozen settings of robots, prey, arenas and protocols, read from TOML.
+
+Every key has a unit, a range and a default here, and nowhere else. A wrong key or value is a
+:class:`~bayeshunt.core.errors.ConfigError` of one line that names the file, the key and the mend.
+"""
+
+from bayeshunt.config.schema.arena import ArenaSettings
+from bayeshunt.config.schema.experiment import ExperimentSettings
+from bayeshunt.config.schema.groups import Settings
+from bayeshunt.config.schema.model import ModelSettings
+from bayeshunt.config.schema.prey import PreySettings
+from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
+from bayeshunt.config.schema.robot import BodySettings, GaitSettings, NoiseSettings, RobotSettings
+
+__all__ = [
+    "ArenaSettings",
+    "BodySettings",
+    "ExperimentSettings",
+    "GaitSettings",
+    "ModelSettings",
+    "NoiseSettings",
+    "PhysicsSettings",
+    "PreySettings",
+    "ProtocolSettings",
+    "RobotSettings",
+    "Settings",
+]

@@ -1,0 +1,17 @@
+"""Where a hunt takes place."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from bayeshunt.config.schema.groups import Positive, Settings
+
+__all__ = ["ArenaSettings"]
+
+
+class ArenaSettings(Settings):
+    """The arena: open, or a walled rectangle centred on the origin."""
+
+    walled: bool = Field(False, description="whether there are walls")
+    width: Positive = Field(1.2, description="inner size along x [m]")
+    height: Positive = Field(1.2, description="inner size along y [m]")

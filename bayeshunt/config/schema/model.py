@@ -1,0 +1,21 @@
+"""What the models are fitted with: bins, prior, babbling."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from bayeshunt.config.schema.groups import NonNegative, Positive, Settings
+
+__all__ = ["ModelSettings"]
+
+
+class ModelSettings(Settings):
+    """Bins and prior of the models."""
+
+    prior: NonNegative = Field(0.0, description="Dirichlet pseudo-count per cell; 0 is maximum likelihood")
+    distance_bin: Positive = Field(0.1, description="distance bin width [body lengths]")
+    angle_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
+    heading_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
+    babbling_steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = Field(2000, description="gaits babbled")

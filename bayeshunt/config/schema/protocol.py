@@ -1,0 +1,52 @@
+"""How an experiment runs: how physics advances, where the prey starts, how long and how often."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from bayeshunt.config.schema.groups import Finite, Positive, Settings
+from bayeshunt.core.checks import FULL_TURN, beyond_a_turn
+
+__all__ = ["PhysicsSettings", "ProtocolSettings"]
+
+
+class PhysicsSettings(Settings):
+    """How Box2D advances time."""
+
+    step: Annotated[float, Field(gt=0, le=0.2)] = Field(0.032, description="physics step [s]")
+    velocity_iterations: Annotated[int, Field(ge=1, le=100)] = Field(6, description="of Box2D's solver")
+    position_iterations: Annotated[int, Field(ge=1, le=100)] = Field(2, description="of Box2D's solver")
+    control_steps: Annotated[int, Field(ge=1, le=1000)] = Field(
+        2, description="physics steps per control interval: prey control and noise"
+    )
+
+    @property
+    def control_interval(self) -> float:
+        """Seconds between two decisions of the prey's controller and two draws of noise."""
+        return self.step * self.control_steps
+
+    def steps(self, duration: float) -> int:
+        """Number of physics steps in ``duration`` [s], at least one."""
+        return max(1, round(duration / self.step))
+
+
+class ProtocolSettings(Settings):
+    """The experiment of the paper (section 4): where the prey starts, how long, how often."""
+
+    thetas: tuple[Finite, ...] = Field(
+        (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0), min_length=1, description="prey bearings, clockwise [rad]"
+    )
+    runs: Annotated[int, Field(ge=1, le=10_000_000)] = Field(100, description="runs per bearing")
+    prey_distance: Positive = Field(5.0, description="first distance of the prey [body lengths]")
+    time_limit: Positive = Field(60.0, description="a run without a catch ends here [s]")
+    catch_distance: Positive = Field(1.02, description="centre distance that counts as a catch [body lengths]")
+
+    @field_validator("thetas")
+    @classmethod
+    def _in_radians(cls, thetas: tuple[float, ...]) -> tuple[float, ...]:
+        for theta in thetas:
+            if abs(theta) > FULL_TURN:
+                raise ValueError(beyond_a_turn(theta))
+        return thetas
