@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 
 
 def complete_planner(incomplete: str) -> list[str]:
@@ -90,15 +90,14 @@ def toml_value(text: str) -> Any:
 
 def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | None) -> list[str]:
     """Return the planners to run; InputError for an unknown planner or arena, before any work."""
-    from bayeshunt.planners.registry import planner_names
+    from bayeshunt.planners.registry import find_planner
 
     chosen = list(planners or settings.planners)
     for name in chosen:
-        if name not in planner_names():
-            raise InputError(f"unknown planner {name!r}; expected one of {', '.join(planner_names())}")
+        find_planner(name)
     for name in arenas or ():
         if name not in settings.arenas:
-            raise InputError(f"unknown arena {name!r}; expected one of {', '.join(settings.arenas)}")
+            raise InputError(f"unknown arena {name!r}{did_you_mean(name, settings.arenas)}")
     return chosen
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import difflib
 import os
 import tomllib
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config.describing import describe, keys_at
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
-from bayeshunt.core.errors import ConfigError, InputError
+from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
 from bayeshunt.files.parquet import PROVENANCE_KEY
 
 if TYPE_CHECKING:
@@ -103,11 +102,7 @@ def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], st
     if not text.endswith(".toml") and os.sep not in text:
         known = preset_names(folder)
         if text not in known:
-            near = difflib.get_close_matches(text, known, n=1)
-            hint = (
-                f"; did you mean {near[0]!r}?" if near else f"; expected {', '.join(known)} or a path to a .toml file"
-            )
-            raise ConfigError(f"no preset called {text!r}{hint}")
+            raise ConfigError(f"no preset called {text!r}{did_you_mean(text, [*known, 'a path to a .toml file'])}")
         place: Any = (_PRESETS / folder if folder else _PRESETS) / f"{text}.toml"
         source = f"preset {text!r}"
     else:
@@ -128,7 +123,10 @@ def _resolve(values: dict[str, Any], source: str) -> dict[str, Any]:
     base = values.pop("base", None)
     if base is not None:
         if not isinstance(base, str) or base not in preset_names():
-            raise ConfigError(f"{source}: base: expected a preset ({', '.join(preset_names())}), got {base!r}")
+            raise ConfigError(
+                f"{source}: base: expected a preset ({', '.join(preset_names())}), got {base!r}"
+                f"{did_you_mean(base, preset_names(), listed=False)}"
+            )
         below, _ = _read(base, "")
         below = _resolve(below, base)
         named = {"name": Path(source).stem, **values}
@@ -200,9 +198,8 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     first = error.errors(include_url=False)[0]
     key = _key(first["loc"], values)
     if first["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(str(first["loc"][-1]), keys_at(kind, first["loc"][:-1]), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else "it is not a setting"
-        return f"{key}: unknown key; {hint}"
+        hint = did_you_mean(first["loc"][-1], keys_at(kind, first["loc"][:-1]))
+        return f"{key}: unknown key{hint or '; it is not a setting'}"
     if first["type"] == "missing":
         return f"{key}: required, but not given"
     message = str(first["msg"]).removeprefix("Value error, ")

@@ -6,6 +6,8 @@ and with 1 for any other :class:`BayesHuntError`.
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -58,3 +60,16 @@ def shown(value: Any) -> str:
     if value is None or isinstance(value, (bool, int, float, str)):
         return repr(value)
     return f"a value of type {type(value).__name__}"
+
+
+def did_you_mean(name: Any, known: Iterable[str], *, listed: bool = True) -> str:
+    """Return how an error about an unknown ``name`` ends: "; did you mean 'planning'?", or else what there is.
+
+    known: the names that there are. listed: end with "; expected one of ..." where none of them is near; without
+        it, or if there are none, return "".
+    """
+    names = list(map(str, known))
+    near = difflib.get_close_matches(name, names, n=1) if isinstance(name, str) else []
+    if near:
+        return f"; did you mean {near[0]!r}?"
+    return f"; expected one of {', '.join(names)}" if listed and names else ""

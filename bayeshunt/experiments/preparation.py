@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
@@ -32,7 +32,7 @@ def learn_room(
     """
     settings = load_experiment(experiment)
     if arena not in settings.arenas:
-        raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+        raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics, progress=progress)
     return RoomModel.fit(track, learn_model(settings, seed, progress) if model is None else model)
 

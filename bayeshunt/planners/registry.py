@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import inspect
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 from bayeshunt.core.checks import check_kind
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
@@ -109,8 +108,7 @@ def find_planner(name: str) -> tuple[Factory, tuple[str, ...] | None]:
     """
     entry = _REGISTRY.get(name) if isinstance(name, str) else None
     if entry is None:
-        near = difflib.get_close_matches(str(name), planner_names(), n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = did_you_mean(name, planner_names(), listed=False)
         raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}{hint}")
     return entry.factory, entry.settings
 
@@ -125,10 +123,8 @@ def _parameters(factory: Factory) -> tuple[str, ...] | None:
 
 
 def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
-    near = difflib.get_close_matches(setting, accepted or (), n=1)
-    if near:
-        return f"; did you mean {near[0]!r}?"
-    return f"; it has {', '.join(accepted)}" if accepted else "; it has none"
+    near = did_you_mean(setting, accepted or (), listed=False)
+    return near or (f"; it has {', '.join(accepted)}" if accepted else "; it has none")
 
 
 register_planner("reactive", ReactivePlanner)

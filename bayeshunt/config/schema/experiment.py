@@ -12,7 +12,7 @@ from bayeshunt.config.schema.model import ModelSettings
 from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
 from bayeshunt.config.schema.robot import RobotSettings
-from bayeshunt.core.errors import ConfigError
+from bayeshunt.core.errors import ConfigError, did_you_mean
 
 __all__ = ["ExperimentSettings"]
 
@@ -51,7 +51,7 @@ class ExperimentSettings(ShownSettings):
     def check_arena(self, name: str) -> None:
         """Raise ConfigError unless there is an arena ``name`` in which the prey does not start in a wall."""
         if not isinstance(name, str) or name not in self.arenas:
-            raise ConfigError(f"unknown arena {name!r}; expected one of {', '.join(self.arenas)}")
+            raise ConfigError(f"unknown arena {name!r}{did_you_mean(name, self.arenas)}")
         arena = self.arenas[name]
         reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter
         if arena.walled and reach > 0.5 * min(arena.width, arena.height):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import inspect
 import os
 import shlex
@@ -18,7 +17,7 @@ import pandas as pd
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_kind, check_whole
-from bayeshunt.core.errors import InputError, ResultsError, shown
+from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
 from bayeshunt.episodes.loop import Result
 from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
@@ -236,8 +235,7 @@ def _names(given: str | Sequence[str] | None, default: Sequence[str], what: str)
 
 def _near(name: str) -> str:
     """What an unknown argument may have meant: "; did you mean planners?", or nothing."""
-    near = difflib.get_close_matches(name, inspect.signature(evaluate).parameters, 1)
-    return f"; did you mean {near[0]}?" if near else ""
+    return did_you_mean(name, inspect.signature(evaluate).parameters, listed=False).replace("'", "")
 
 
 def _ignore(_: Any) -> None:

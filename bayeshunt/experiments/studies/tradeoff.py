@@ -12,7 +12,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import hunt_seed, learn_model
@@ -58,7 +58,7 @@ def tradeoff(
     cases = [(name, "", float("nan"), settings) for name in planners]
     for weight, values in vary.items():
         if weight not in vars(weights):
-            raise InputError(f"unknown weight {weight!r}; expected one of {', '.join(vars(weights))}")
+            raise InputError(f"unknown weight {weight!r}{did_you_mean(weight, vars(weights))}")
         for value in values:
             point = load_experiment(settings, {f"planner.{WEIGHED}.{weight}": value})
             _weights(point)  # a wrong value fails here, before any work

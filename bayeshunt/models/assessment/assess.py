@@ -19,7 +19,7 @@ from bayeshunt.config.loading import recorded_robot
 from bayeshunt.core import displays
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.models.assessment import scores
 from bayeshunt.models.assessment.independence import independence
@@ -204,7 +204,7 @@ def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str
     """The structures to compare with the paper's, and what to say about those left out."""
     for name in structures or ():
         if name not in STRUCTURES:
-            raise InputError(f"unknown structure {name!r}: expected one of {', '.join(STRUCTURES)}")
+            raise InputError(f"unknown structure {name!r}{did_you_mean(name, STRUCTURES)}")
     if structures is not None and "previous_gait" in structures and not rows.has_previous:
         raise InputError("structure 'previous_gait': the table has no column previous_gait")
     wanted = [name for name in STRUCTURES if name != "naive" and (structures is None or name in structures)]

@@ -16,7 +16,7 @@ from itertools import combinations
 import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.models.counting.cells import CountedCells, log_likelihood, mutual_information, parameters
 
 #: The gait executed just before: a second cause, because momentum carries over.
@@ -42,7 +42,7 @@ class Structure:
 
     def __post_init__(self) -> None:
         if self.name not in STRUCTURES:
-            raise InputError(f"unknown structure {self.name!r}: expected one of {', '.join(STRUCTURES)}")
+            raise InputError(f"unknown structure {self.name!r}{did_you_mean(self.name, STRUCTURES)}")
         for parent, child in self.edges:
             if parent not in (*CAUSES, *EFFECTS) or child not in EFFECTS:
                 raise InputError(f"structure {self.name}: the edge {parent} -> {child} is not allowed")
@@ -101,7 +101,7 @@ def find_structure(name: str, table: CountedCells) -> Structure:
     for structure in (NAIVE, JOINT, PREVIOUS_GAIT):
         if structure.name == name:
             return structure
-    raise InputError(f"unknown structure {name!r}: expected one of {', '.join(STRUCTURES)}")
+    raise InputError(f"unknown structure {name!r}{did_you_mean(name, STRUCTURES)}")
 
 
 def depends_on_previous(structure: str | Structure) -> bool:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.geometry import Polar
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, styled
@@ -48,7 +48,7 @@ def experiment(results: pd.DataFrame, settings: ExperimentSettings, planner: str
 def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
     """Draw the start of every hunt, the hunter's heading up; each prey faces the same way."""
     if arena not in settings.arenas:
-        raise InputError(f"unknown arena {arena!r}; expected one of {', '.join(settings.arenas)}")
+        raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     place, protocol = settings.arenas[arena], settings.protocol
     hunter, prey = settings.robot.body.diameter * 1000, settings.prey.body.diameter * 1000
     distance = protocol.prey_distance * hunter

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from bayeshunt.config.schema import ArenaSettings, PreySettings
-from bayeshunt.core.errors import InputError, shown
+from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.geometry import wrap
 from bayeshunt.worlds.noise import gaussians
 from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, proximity
@@ -220,7 +220,7 @@ def prey_names() -> list[str]:
 def check_behaviour(name: str) -> None:
     """Raise InputError if no behaviour is called ``name``."""
     if name not in _BEHAVIOURS:
-        raise InputError(f"prey.behaviour: unknown behaviour {name!r}; expected one of {', '.join(prey_names())}")
+        raise InputError(f"prey.behaviour: unknown behaviour {name!r}{did_you_mean(name, prey_names())}")
 
 
 def build_prey(context: Context) -> Prey:
