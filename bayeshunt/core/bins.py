@@ -7,6 +7,7 @@ reach. A circular axis cuts the full turn into equal bins, the middle one centre
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -16,6 +17,8 @@ import numpy as np
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
+
+__all__ = ["EFFECTS", "Axis", "EffectAxes"]
 
 #: The three effect variables of the paper's network, in the order of every table and array.
 EFFECTS = ("Distance", "Angle", "Heading")
@@ -126,7 +129,7 @@ class EffectAxes:
             Axis.full_turn("Heading", heading_bins),
         )
 
-    def __iter__(self):  # type: ignore[no-untyped-def]
+    def __iter__(self) -> Iterator[Axis]:
         return iter((self.distance, self.angle, self.heading))
 
     def __getitem__(self, name: str) -> Axis:

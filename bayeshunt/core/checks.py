@@ -14,6 +14,17 @@ import numpy as np
 
 from bayeshunt.core.errors import InputError, shown
 
+__all__ = [
+    "FULL_TURN",
+    "beyond_a_turn",
+    "check_generator",
+    "check_kind",
+    "check_number",
+    "check_numbers",
+    "check_radians",
+    "check_whole",
+]
+
 
 def check_kind(value: Any, name: str, kind: type, expected: str) -> None:
     """Raise InputError unless ``value`` is a ``kind``; ``expected`` says it in words."""

@@ -11,6 +11,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+__all__ = ["arrange", "to_html", "to_text"]
+
 #: Module that offers ``to_html(thing)`` and ``to_text(thing)``; None: nobody draws.
 _drawer: str | None = None
 
@@ -26,9 +28,12 @@ def arrange(module: str | None) -> None:
 
 def to_html(thing: Any) -> str | None:
     """Return ``thing`` as HTML for a notebook, None (the notebook then prints it) if nobody draws."""
-    return None if _drawer is None else import_module(_drawer).to_html(thing)
+    if _drawer is None:
+        return None
+    html: str | None = import_module(_drawer).to_html(thing)
+    return html
 
 
 def to_text(thing: Any) -> str:
     """Return ``thing`` as plain text of several lines; its ``repr`` if nobody draws."""
-    return repr(thing) if _drawer is None else import_module(_drawer).to_text(thing)
+    return repr(thing) if _drawer is None else str(import_module(_drawer).to_text(thing))

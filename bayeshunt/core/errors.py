@@ -10,6 +10,22 @@ import difflib
 from collections.abc import Iterable
 from typing import Any
 
+__all__ = [
+    "BayesHuntError",
+    "ConfigError",
+    "DataError",
+    "FolderInUseError",
+    "ImpossibleEvidenceError",
+    "InputError",
+    "ModelFileError",
+    "NothingObservedError",
+    "ResultsError",
+    "WorkerError",
+    "ZeroCountError",
+    "did_you_mean",
+    "shown",
+]
+
 
 class BayesHuntError(Exception):
     """Base class of every error raised on purpose by bayeshunt."""

@@ -11,6 +11,8 @@ from typing import Any
 from bayeshunt.core import displays
 from bayeshunt.core.errors import InputError
 
+__all__ = ["Gait", "GaitRepertoire"]
+
 
 @dataclass(frozen=True)
 class Gait:
@@ -57,8 +59,9 @@ class GaitRepertoire(Sequence[Gait]):
         """Return ``gaits`` itself if it is a repertoire, a robot's repertoire, or one made of Gait objects or names."""
         if isinstance(gaits, cls):
             return gaits
-        if isinstance(getattr(gaits, "gaits", None), cls):  # the settings of a robot
-            return gaits.gaits
+        repertoire = getattr(gaits, "gaits", None)
+        if isinstance(repertoire, cls):  # the settings of a robot
+            return repertoire
         if isinstance(gaits, str) or not isinstance(gaits, Iterable):
             raise InputError(f"gaits: expected a robot's gaits, or a list of names, got {gaits!r}")
         return cls(tuple(g if isinstance(g, Gait) else Gait(str(g)) for g in gaits), **settings)
@@ -68,7 +71,7 @@ class GaitRepertoire(Sequence[Gait]):
         """Gait names in table order."""
         return tuple(gait.name for gait in self.gaits)
 
-    def index(self, name: Any, *unused: Any) -> int:  # type: ignore[override]
+    def index(self, name: Any, *unused: Any) -> int:
         """Return the position of a gait given by name or as a Gait.
 
         Raises InputError if the repertoire has no such gait.

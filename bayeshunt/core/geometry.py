@@ -3,29 +3,52 @@
 World frames follow Box2D: x and y in metres, theta in radians **counter-clockwise**.
 Egocentric coordinates follow the paper: ``angle`` and ``heading`` in radians **clockwise**
 from the robot's posteroanterior (back-to-front) vector, in (-pi, pi].
+
+``Pose`` and ``Polar`` are of floats; ``Pose[FloatArray]`` and ``Polar[FloatArray]`` are of arrays.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import TypeVar
 
+from bayeshunt.core.errors import InputError, shown
+
+__all__ = ["FloatArray", "FloatLike", "Polar", "Pose", "wrap"]
+
+FloatArray = NDArray[np.float64]
 #: A float or an array of floats; every function here broadcasts.
-Number = Any
+FloatLike = float | FloatArray
+#: What a pose is of: numbers or arrays; of numbers where nothing is said.
+Part = TypeVar("Part", bound=FloatLike, default=float)
 
 _TWO_PI = 2.0 * math.pi
 
 
-def wrap(angle: Number) -> Number:
-    """Return ``angle`` [rad] wrapped to (-pi, pi]; a float for a float, an array for an array; NaN stays NaN."""
+@overload
+def wrap(angle: float) -> float: ...
+@overload
+def wrap(angle: FloatArray) -> FloatArray: ...
+@overload
+def wrap(angle: ArrayLike) -> Any: ...
+def wrap(angle: ArrayLike) -> FloatLike:
+    """Return ``angle`` [rad] wrapped to (-pi, pi]; a float for a float, an array for an array; NaN stays NaN.
+
+    Raises InputError unless it is a number or an array of numbers.
+    """
     if isinstance(angle, float):
         if -math.pi < angle <= math.pi:
             return angle
         one = math.pi - (math.pi - angle) % _TWO_PI
         return math.pi if one <= -math.pi else one
-    values = np.asarray(angle, dtype=float)
+    try:
+        values = np.asarray(angle, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"angle: expected radians, a number or an array, got {shown(angle)}") from None
     inside = (values > -np.pi) & (values <= np.pi)
     if inside.all():
         return values.copy() if values.ndim else float(values)
@@ -35,7 +58,7 @@ def wrap(angle: Number) -> Number:
     return wrapped if wrapped.ndim else float(wrapped)
 
 
-class Polar(NamedTuple):
+class Polar(NamedTuple, Generic[Part]):
     """The pose of a thing as seen from a robot, centred on the robot.
 
     distance: metres, >= 0.
@@ -43,82 +66,125 @@ class Polar(NamedTuple):
     heading: direction the thing faces, radians clockwise from the robot's heading, (-pi, pi].
     """
 
-    distance: Number
-    angle: Number
-    heading: Number
+    distance: Part
+    angle: Part
+    heading: Part
 
     @property
-    def forward(self) -> Number:
+    def forward(self) -> Part:
         """Metres ahead of the robot (negative: behind)."""
-        return self.distance * np.cos(self.angle)
+        here: Polar[Any] = self  # numpy's types know no float-or-array
+        forward: Part = here.distance * np.cos(here.angle)
+        return forward
 
     @property
-    def right(self) -> Number:
+    def right(self) -> Part:
         """Metres to the right of the robot (negative: to the left)."""
-        return self.distance * np.sin(self.angle)
+        here: Polar[Any] = self
+        right: Part = here.distance * np.sin(here.angle)
+        return right
 
+    @overload
     @classmethod
-    def from_cartesian(cls, forward: Number, right: Number, heading: Number = 0.0) -> Polar:
+    def from_cartesian(cls, forward: float, right: float, heading: float = 0.0) -> Polar: ...
+    @overload
+    @classmethod
+    def from_cartesian(cls, forward: FloatArray, right: FloatArray, heading: FloatLike = 0.0) -> Polar[FloatArray]: ...
+    @classmethod
+    def from_cartesian(cls, forward: FloatLike, right: FloatLike, heading: FloatLike = 0.0) -> Polar[Any]:
         """Polar coordinates of a point ``forward`` [m] ahead and ``right`` [m] to the right."""
-        return cls(np.hypot(forward, right), wrap(np.arctan2(right, forward)), wrap(heading))
+        polar: Polar[Any] = Polar(np.hypot(forward, right), wrap(np.arctan2(right, forward)), wrap(heading))
+        return polar
 
-    def compose(self, other: Polar) -> Polar:
+    @overload
+    def compose(self, other: Polar) -> Polar[Part]: ...
+    @overload
+    def compose(self, other: Polar[FloatArray]) -> Polar[FloatArray]: ...
+    def compose(self, other: Polar[Any]) -> Polar[Any]:
         """Return, in this pose's own frame of reference, a pose ``other`` given in *this pose's* frame.
 
         If A sees B at ``self`` and B sees C at ``other``, A sees C at ``self.compose(other)``.
+        Raises InputError unless ``other`` is a Polar.
         """
-        bearing = self.heading + other.angle
-        forward = self.forward + other.distance * np.cos(bearing)
-        right = self.right + other.distance * np.sin(bearing)
-        return Polar.from_cartesian(forward, right, self.heading + other.heading)
+        try:
+            bearing = self.heading + other.angle
+            forward = self.forward + other.distance * np.cos(bearing)
+            right = self.right + other.distance * np.sin(bearing)
+            heading: Any = self.heading + other.heading
+            return Polar(np.hypot(forward, right), wrap(np.arctan2(right, forward)), wrap(heading))
+        except (AttributeError, TypeError):
+            raise _mistaken("other", Polar, other) from None
 
-    def seen_from(self, observer: Polar) -> Polar:
+    @overload
+    def seen_from(self, observer: Polar) -> Polar[Part]: ...
+    @overload
+    def seen_from(self, observer: Polar[FloatArray]) -> Polar[FloatArray]: ...
+    def seen_from(self, observer: Polar[Any]) -> Polar[Any]:
         """Return this pose as ``observer`` sees it; both are given in one common frame.
 
         The inverse of :meth:`compose`: ``a.compose(b).seen_from(a) == b``.
+        Raises InputError unless ``observer`` is a Polar.
         """
-        forward = self.forward - observer.forward
-        right = self.right - observer.right
-        bearing = np.arctan2(right, forward)
-        return Polar(
-            np.hypot(forward, right),
-            wrap(bearing - observer.heading),
-            wrap(self.heading - observer.heading),
-        )
+        try:
+            forward = self.forward - observer.forward
+            right = self.right - observer.right
+            bearing: Any = np.arctan2(right, forward)
+            return Polar(
+                np.hypot(forward, right),
+                wrap(bearing - observer.heading),
+                wrap(self.heading - observer.heading),
+            )
+        except (AttributeError, TypeError):
+            raise _mistaken("observer", Polar, observer) from None
 
 
-class Pose(NamedTuple):
+class Pose(NamedTuple, Generic[Part]):
     """A pose in a world frame: x, y in metres, theta in radians counter-clockwise from x."""
 
-    x: Number
-    y: Number
-    theta: Number
+    x: Part
+    y: Part
+    theta: Part
 
-    def relative(self, other: Pose) -> Polar:
+    @overload
+    def relative(self, other: Pose) -> Polar[Part]: ...
+    @overload
+    def relative(self, other: Pose[FloatArray]) -> Polar[FloatArray]: ...
+    def relative(self, other: Pose[Any]) -> Polar[Any]:
         """Return ``other`` as seen from this pose (the paper's egocentric polar coordinates).
 
         ``angle = wrap(theta - atan2(dy, dx))``; ``heading = wrap(theta - theta_other)``.
+        Raises InputError unless ``other`` is a Pose.
         """
-        dx, dy = other.x - self.x, other.y - self.y
-        return Polar(
-            np.hypot(dx, dy),
-            wrap(self.theta - np.arctan2(dy, dx)),
-            wrap(self.theta - other.theta),
-        )
+        try:
+            dx, dy = other.x - self.x, other.y - self.y
+            return Polar(
+                np.hypot(dx, dy),
+                wrap(self.theta - np.arctan2(dy, dx)),
+                wrap(self.theta - other.theta),
+            )
+        except (AttributeError, TypeError):
+            raise _mistaken("other", Pose, other) from None
 
-    def compose(self, seen: Polar) -> Pose:
-        """Return the world pose of something seen at ``seen`` from here; undoes :meth:`relative`."""
-        bearing = self.theta - seen.angle
-        return Pose(
-            self.x + seen.distance * np.cos(bearing),
-            self.y + seen.distance * np.sin(bearing),
-            wrap(self.theta - seen.heading),
-        )
+    @overload
+    def compose(self, seen: Polar) -> Pose[Part]: ...
+    @overload
+    def compose(self, seen: Polar[FloatArray]) -> Pose[FloatArray]: ...
+    def compose(self, seen: Polar[Any]) -> Pose[Any]:
+        """Return the world pose of something seen at ``seen`` from here; undoes :meth:`relative`.
+
+        Raises InputError unless ``seen`` is a Polar.
+        """
+        try:
+            bearing = self.theta - seen.angle
+            return Pose(
+                self.x + seen.distance * np.cos(bearing),
+                self.y + seen.distance * np.sin(bearing),
+                wrap(self.theta - seen.heading),
+            )
+        except (AttributeError, TypeError):
+            raise _mistaken("seen", Polar, seen) from None
 
 
-def circular_mean(angles: Number, weights: Number | None = None) -> float:
-    """Return the circular mean [rad] of ``angles``, by default all of equal weight."""
-    values = np.asarray(angles, dtype=float)
-    if weights is None:
-        weights = np.ones_like(values)
-    return float(np.arctan2(np.sum(weights * np.sin(values)), np.sum(weights * np.cos(values))))
+def _mistaken(name: str, kind: type, value: object) -> InputError:
+    """The error for what is no pose of numbers: looked for only once the arithmetic has failed."""
+    return InputError(f"{name}: expected a {kind.__name__}({', '.join(kind._fields)}) of numbers, got {shown(value)}")  # type: ignore[attr-defined]

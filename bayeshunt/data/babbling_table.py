@@ -23,6 +23,21 @@ from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.files import parquet
 from bayeshunt.files.atomic import check_source
 
+__all__ = [
+    "COLUMNS",
+    "PROVENANCE_KEY",
+    "Batches",
+    "discretise",
+    "gait_codes",
+    "load",
+    "path_column_names",
+    "path_columns",
+    "positions",
+    "save",
+    "to_arrow",
+    "validate",
+]
+
 #: The columns every babbling table has.
 COLUMNS = ("gait", "distance", "angle", "heading")
 #: Key of the provenance record in the Parquet file's metadata and in ``frame.attrs``.
@@ -113,15 +128,18 @@ def positions(values: pd.Series, names: Sequence[str]) -> np.ndarray:
 
         texts = pa.array(values.array)
         found = pc.index_in(texts, value_set=pa.array(names, type=texts.type))
-        return (found.fill_null(-1) if found.null_count else found).to_numpy()
+        codes: np.ndarray = (found.fill_null(-1) if found.null_count else found).to_numpy()
+        return codes
     index = pd.Index(np.array(names, dtype=object))
     if isinstance(values.dtype, pd.CategoricalDtype):
         stored = pd.Categorical(values)
         if list(stored.categories) == list(names):
-            return stored.codes
-        return np.append(index.get_indexer(stored.categories), -1)[stored.codes]
-    codes, distinct = pd.factorize(values)
-    return np.append(index.get_indexer(distinct), -1)[codes]
+            return np.asarray(stored.codes)
+        places, distinct = np.asarray(stored.codes), stored.categories
+    else:
+        places, distinct = pd.factorize(values)
+    found_at: np.ndarray = np.append(index.get_indexer(distinct), -1)[places]
+    return found_at
 
 
 def save(frame: pd.DataFrame, path: str | os.PathLike[str], provenance: dict[str, Any] | None = None) -> None:
@@ -150,7 +168,7 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
     check_source(path, _MAKER, DataError)
     name = os.fspath(path)
     table, record = parquet.read(path, what=_WHAT, mend=_MEND)
-    frame = table.to_pandas()
+    frame: pd.DataFrame = table.to_pandas()
     validate(frame, source=name)
     frame.attrs[PROVENANCE_KEY] = record or {}
     return frame

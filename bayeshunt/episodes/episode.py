@@ -12,7 +12,7 @@ import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.errors import DataError
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.core.statistics import entropy
 from bayeshunt.files import parquet
 from bayeshunt.files.atomic import check_source
@@ -79,13 +79,13 @@ def _typed(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(support=support.mask(support < 0))  # earlier files say -1
 
 
-def _path(name: str, path: Polar | None) -> dict[str, list[float] | None]:
+def _path(name: str, path: Polar[FloatArray] | None) -> dict[str, list[float] | None]:
     """A path seen from the hunter as three columns of lists [T + 1], None where there is none."""
     parts = [None] * 3 if path is None else [np.asarray(part, dtype=float).tolist() for part in path]
     return {f"{name}_{k}": part for k, part in zip(Polar._fields, parts, strict=True)}
 
 
-def _planned_path(plan: Plan) -> Polar | None:
+def _planned_path(plan: Plan) -> Polar[FloatArray] | None:
     """The hunter 0..T steps ahead on the chosen branch, if the plan's trace tells all its poses."""
     trace = plan.trace
     if not {"chosen", "T", "hunter_forward", "hunter_right", "hunter_heading"} <= set(trace.columns):
@@ -93,7 +93,8 @@ def _planned_path(plan: Plan) -> Polar | None:
     branch = trace[trace["chosen"]].sort_values("T")
     if branch["T"].tolist() != list(range(len(branch))):
         return None
-    return Polar.from_cartesian(branch["hunter_forward"], branch["hunter_right"], branch["hunter_heading"])
+    parts = (branch[f"hunter_{name}"].to_numpy(dtype=float) for name in ("forward", "right", "heading"))
+    return Polar.from_cartesian(*parts)
 
 
 def _alternatives(plan: Plan) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from typing import Any
 
 from bayeshunt.core.errors import BayesHuntError, InputError, shown
 
+__all__ = ["check_path", "check_source", "check_target", "replace_atomically", "write_text"]
+
 
 @contextlib.contextmanager
 def replace_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:

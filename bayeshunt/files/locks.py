@@ -8,6 +8,8 @@ from typing import Any
 
 from bayeshunt.core.errors import BayesHuntError, FolderInUseError
 
+__all__ = ["LOCK_FILE", "FolderLock", "is_locked"]
+
 LOCK_FILE = ".hunts.lock"
 
 

@@ -20,6 +20,8 @@ import numpy as np
 from bayeshunt.core.errors import DataError
 from bayeshunt.files.atomic import replace_atomically
 
+__all__ = ["KEY", "PROVENANCE_KEY", "ROW_GROUP", "Reader", "digest", "read", "seal", "unseal", "write", "write_groups"]
+
 #: Key of the record in the Parquet file's metadata.
 KEY = b"bayeshunt"
 #: The same for people: the key of a table's record in ``frame.attrs``.

@@ -18,7 +18,7 @@ import pandas as pd
 from bayeshunt.core import displays
 from bayeshunt.core.checks import check_generator, check_kind
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import FloatArray, Polar, Pose
 
 
 class PreyPredictor(Protocol):
@@ -28,7 +28,7 @@ class PreyPredictor(Protocol):
     def is_empty(self) -> bool:
         """True while nothing has been observed."""
 
-    def predict_path(self, steps: int) -> Polar:
+    def predict_path(self, steps: int) -> Polar[FloatArray]:
         """Expected poses 0..steps ahead in the prey's present frame: Polar of arrays [steps + 1]."""
 
 
@@ -40,7 +40,7 @@ class Future:
     """
 
     times: np.ndarray
-    prey: Polar
+    prey: Polar[FloatArray]
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return metres forward and right of the prey at ``times`` [s], linear between the known poses.
@@ -133,7 +133,7 @@ class Plan:
     support: int | None = None
     posterior: np.ndarray | None = None
     prey_known: bool = False
-    predicted_prey: Polar | None = None
+    predicted_prey: Polar[FloatArray] | None = None
 
     def __post_init__(self) -> None:
         if self.gaits is None:
@@ -202,7 +202,7 @@ def check_request(situation: Situation, rng: np.random.Generator) -> None:
     check_generator(rng)
 
 
-def predict_prey(situation: Situation, steps: int) -> tuple[Polar, bool]:
+def predict_prey(situation: Situation, steps: int) -> tuple[Polar[FloatArray], bool]:
     """Return the prey 0..steps ahead as the hunter sees it now, and whether the prey model was used.
 
     The path is a Polar of arrays [steps + 1]. While the prey model is empty the prey is taken to

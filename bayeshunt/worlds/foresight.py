@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.config.schema import NoiseSettings
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import FloatArray, Pose
 from bayeshunt.worlds.box2d.arena import Arena, build_walls, new_world
 from bayeshunt.worlds.box2d.bodies import build_drive
 from bayeshunt.worlds.prey.behaviours import Context, build_prey
@@ -13,7 +13,7 @@ from bayeshunt.worlds.prey.behaviours import Context, build_prey
 _NO_NOISE = NoiseSettings(slip=0.0, drift_sd=0.0)
 
 
-def foresee(arena: Arena, duration: float) -> tuple[np.ndarray, Pose]:
+def foresee(arena: Arena, duration: float) -> tuple[np.ndarray, Pose[FloatArray]]:
     """Return times [M] from now [s] and the prey's poses then (a Pose of arrays [M]), one per control interval.
 
     A copy of the prey, in the state it is in now, runs alone and without noise in a fresh world with

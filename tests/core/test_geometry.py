@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bayeshunt.core.geometry import Polar, Pose, circular_mean, wrap
+from bayeshunt.core.geometry import Polar, Pose, wrap
 
 metres = st.floats(-5, 5)
 radians = st.floats(-20, 20)
@@ -98,8 +98,3 @@ def test_arrays_broadcast_like_scalars():
     for i in range(50):
         one = Pose(0.1, -0.2, 0.7).relative(Pose(x[i], y[i], t[i]))
         np.testing.assert_allclose([seen.distance[i], seen.angle[i], seen.heading[i]], one, atol=1e-12)
-
-
-def test_circular_mean_crosses_the_seam():
-    assert abs(circular_mean([math.pi - 0.1, -math.pi + 0.1])) == pytest.approx(math.pi)
-    assert circular_mean([0.0, 1.0], weights=np.array([3.0, 0.0])) == pytest.approx(0.0)

@@ -73,7 +73,8 @@ def enumerate_joint(model: bh.ForwardModel) -> np.ndarray:
 def test_tables_are_pgmpys_own(structure: str | bh.Structure, prior: float) -> None:
     """``fit`` compares; a wrong table of ours must make it fail, so break one and see."""
     model = fit(structure, prior)
-    fitted = network.fit(model.joint, prior, model.structure)
+    states = network.state_names(model.gaits, model.axes)
+    fitted = network.fit_cells(model.joint.table, states, prior, model.structure)
     tables = {e: conditional(model.joint.table.tabulate((e, *model.structure.parents(e))), prior) for e in EFFECTS}
     network.check_equal(fitted, tables)
     broken = {**tables, "Angle": tables["Angle"] * 0.999}

@@ -25,7 +25,7 @@ from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.models.body.opening import OpenTables
 from bayeshunt.models.body.rows import CountedRows
@@ -246,10 +246,10 @@ class ForwardModel(OpenTables):
         gait was never babbled: a prior says nothing about a pose.
         """
         index = self.gaits.index(gait)
-        forward, right, heading = self.joint.mean_poses(index)[-1].tolist()
+        forward, right, heading = map(float, self.joint.mean_poses(index)[-1])
         return Polar.from_cartesian(forward, right, heading)
 
-    def sample(self, gait: Gait | str, n: int, *, rng: np.random.Generator) -> Polar:
+    def sample(self, gait: Gait | str, n: int, *, rng: np.random.Generator) -> Polar[FloatArray]:
         """Return ``n`` outcomes of ``gait`` drawn from the network: Polar of arrays [n].
 
         In the paper's structure distance, angle and heading are drawn from their own CPT columns,
@@ -260,7 +260,7 @@ class ForwardModel(OpenTables):
         check_generator(rng)
         return self._effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
 
-    def outcomes(self, uniforms: np.ndarray) -> Polar:
+    def outcomes(self, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
 
         uniforms: [..., 6] in [0, 1): the first three choose the bins of Distance, Angle and Heading

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -109,14 +109,15 @@ class Posterior(NamedTuple):
         return {**self.source.cell.evidence, **self.source.model.known}
 
     @property
-    def target(self) -> Polar:
+    def target(self) -> Polar[Any]:
         """What was asked; the heading is None if none was given."""
-        return Polar(self.distance, self.angle, self.heading)
+        heading: Any = self.heading
+        return Polar(self.distance, self.angle, heading)
 
     @property
     def gap(self) -> float:
         """Metres from the target to the centre of the learned coordinate used; within half a bin unless snapped."""
-        used = Polar(self.cell.distance, self.cell.angle, None)
+        used = Polar(self.cell.distance, self.cell.angle, 0.0)
         return math.hypot(self.target.forward - used.forward, self.target.right - used.right)
 
     @property

@@ -19,7 +19,7 @@ import numpy as np
 from bayeshunt.core import statistics
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.errors import InputError, ZeroCountError
-from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.counting.cells import MAX_TABLE_CELLS, CountedCells, conditional
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.tables import sampling
@@ -115,7 +115,7 @@ class IndependentEffects:
         with np.errstate(divide="ignore"):
             return sum(np.log(self.local[e][cells[:, 1 + i], cells[:, 0]]) for i, e in enumerate(EFFECTS))
 
-    def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar:
+    def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the poses [...] that ``uniforms`` [..., 6] in [0, 1) choose for one gait."""
         return sampling.draw(axes, self._cumulative[gait], uniforms)
 
@@ -195,7 +195,7 @@ class JointEffects:
         with np.errstate(divide="ignore"):
             return np.log(self.joint[tuple(cells.T)])
 
-    def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar:
+    def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the poses [...] that ``uniforms`` [..., 6] in [0, 1) choose for one gait.
 
         Distance by its CDF, then Angle given the distance, then Heading given both, each uniform

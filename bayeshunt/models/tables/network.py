@@ -14,7 +14,6 @@ from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.models.counting.cells import CountedCells
-from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.tables.structures import NAIVE, Structure
 
 #: The variables of the network, parent first.
@@ -60,14 +59,6 @@ def structure(edges: Structure = NAIVE) -> Any:
     return network
 
 
-def fit(joint: JointCounts, prior: float, edges: Structure = NAIVE) -> Any:
-    """Return the network as pgmpy's own estimators fit it to the counted cells.
-
-    P(Gait) comes out as the frequency of each gait in the rows.
-    """
-    return fit_cells(joint.table, state_names(joint.gaits, joint.axes), prior, edges)
-
-
 def fit_cells(table: CountedCells, states: dict[str, list[str]], prior: float, edges: Structure) -> Any:
     """Return the network of ``edges`` as pgmpy's own estimators fit it to the counts of ``table``.
 
@@ -88,12 +79,6 @@ def fit_cells(table: CountedCells, states: dict[str, list[str]], prior: float, e
     for cpd in network.get_cpds():
         cpd.store_state_names(cpd.variables, cpd.cardinality, {name: states[name] for name in cpd.variables})
     return network
-
-
-def tables_of(network: Any) -> dict[str, np.ndarray]:
-    """Return the CPT values of a pgmpy network: "Gait" [G], each effect [K, columns]."""
-    values = {name: np.asarray(network.get_cpds(name).get_values()) for name in VARIABLES}
-    return {**values, "Gait": values["Gait"][:, 0]}
 
 
 def check_equal(network: Any, tables: dict[str, np.ndarray]) -> None:

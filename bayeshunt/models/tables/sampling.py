@@ -7,7 +7,7 @@ import numpy as np
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_numbers
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, wrap
 
 #: Random numbers that one outcome uses: three choose the bins, three the place inside them.
 UNIFORMS = 6
@@ -21,7 +21,7 @@ def cumulative(table: np.ndarray) -> np.ndarray:
     return cdf
 
 
-def draw(axes: EffectAxes, columns: tuple[np.ndarray, ...], uniforms: np.ndarray) -> Polar:
+def draw(axes: EffectAxes, columns: tuple[np.ndarray, ...], uniforms: np.ndarray) -> Polar[FloatArray]:
     """Return the poses [...] that ``uniforms`` [..., 6] in [0, 1) choose.
 
     columns: the CDFs [K] of Distance, Angle and Heading under one gait.

@@ -17,7 +17,7 @@ from bayeshunt.core import displays, statistics
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import InputError, NothingObservedError
-from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
 
 #: Body length [m] of the default distance bins: a Khepera.
@@ -119,11 +119,11 @@ class PreyModel:
         """
         return Polar(*(part[-1] for part in self._iterate(steps)))
 
-    def predict_path(self, steps: int) -> Polar:
+    def predict_path(self, steps: int) -> Polar[FloatArray]:
         """Return the expected poses 0 to ``steps`` ahead: Polar of arrays [steps + 1]; as :meth:`predict`."""
         return Polar(*(np.array(part) for part in self._iterate(steps)))
 
-    def sample_paths(self, steps: int, n: int, *, rng: np.random.Generator) -> Polar:
+    def sample_paths(self, steps: int, n: int, *, rng: np.random.Generator) -> Polar[FloatArray]:
         """Return ``n`` futures: Polar of arrays [n, steps + 1], in the prey's present frame.
 
         Every step is drawn from the counts, independently, at its cell's centre; index 0 is the

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation
 
@@ -70,7 +70,7 @@ def _trace(steering: Steering, values: np.ndarray, target: Polar, best: int) -> 
     )
 
 
-def prey_track(situation: Situation) -> Polar:
+def prey_track(situation: Situation) -> Polar[FloatArray]:
     """Return where the prey was at each time-step observed, oldest first: Polar of arrays [K + 1].
 
     Every pose is in the hunter's present frame; the last is the prey now. It follows from the

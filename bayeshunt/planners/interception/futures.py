@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.target.turns import TurnModel
 
 
@@ -50,13 +50,14 @@ class Futures:
         still = [np.repeat(a[:, :1], a.shape[1], axis=1) for a in (self.forward, self.right)]
         return replace(self, forward=still[0], right=still[1], speed=np.zeros(len(self.speed)))
 
-    def likeliest(self, times: np.ndarray) -> Polar:
+    def likeliest(self, times: np.ndarray) -> Polar[FloatArray]:
         """Return the most probable path at ``times`` [s, J], the present pose first: Polar of arrays [J + 1]."""
         best = int(self.weights.argmax())
         when = np.concatenate([[0.0], times])
         x, y = (a[best] for a in self.at(when))
         leg = (self.starts[best] <= when[:, None]).sum(axis=1) - 1
-        return Polar.from_cartesian(x, y, self.heading[best, leg])
+        heading: FloatArray = self.heading[best, leg]
+        return Polar.from_cartesian(x, y, heading)
 
 
 def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int) -> Futures:

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, predict_prey
 from bayeshunt.planners.search.rollouts import (
@@ -147,7 +147,7 @@ def _trace(
     gaits: tuple[str, ...],
     describe: Callable[[list[Any]], dict[str, np.ndarray]],
     tree: SearchTree,
-    prey: Polar,
+    prey: Polar[FloatArray],
     body_length: float,
 ) -> pd.DataFrame:
     """One row per node generated, in order: the paper's node fields and how the search used them.

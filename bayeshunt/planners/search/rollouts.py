@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bayeshunt.core.errors import BayesHuntError
-from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 
@@ -42,10 +42,10 @@ class HunterSamples(NamedTuple):
 
 #: Turns predicted hunter samples and the predicted prey path (Polar of arrays [depth + 1], in the
 #: hunter's present frame) into one value per gait sequence, [N]; the least is best.
-Objective = Callable[[HunterSamples, Polar], np.ndarray]
+Objective = Callable[[HunterSamples, Polar[FloatArray]], np.ndarray]
 
 
-def mean_distance(hunter: HunterSamples, prey: Polar) -> np.ndarray:
+def mean_distance(hunter: HunterSamples, prey: Polar[FloatArray]) -> np.ndarray:
     """Return the mean distance [m] between hunter and prey at the end of each sequence, [N].
 
     ``value[n] = 1/S sum_s | hunter[s, n] - prey[T(n)] |`` (the paper's Value, with a sampled hunter).
@@ -189,7 +189,7 @@ class CompiledRollouts:
         self.poses = poses
         self._first_child: list[int] = tree.first_child.tolist()
 
-    def space(self, block: int, prey: Polar, objective: Objective) -> CompiledSpace:
+    def space(self, block: int, prey: Polar[FloatArray], objective: Objective) -> CompiledSpace:
         """Return the search space of one decision: every node is valued in one pass."""
         forward, right, heading = self.poses[:, block]
         samples = HunterSamples(forward, right, heading, self.tree.steps)
@@ -224,7 +224,7 @@ class LazyRollouts:
     def __init__(self, outcomes: Outcomes, max_transitions: int) -> None:
         self.outcomes, self.max_transitions = outcomes, max_transitions
 
-    def space(self, block: int, prey: Polar, objective: Objective) -> LazySpace:
+    def space(self, block: int, prey: Polar[FloatArray], objective: Objective) -> LazySpace:
         """Return the search space of one decision."""
         return LazySpace(self, block, prey, objective)
 
@@ -232,7 +232,7 @@ class LazyRollouts:
 class LazySpace:
     """A search space whose handles are (T, gait, transitions, forward [S], right [S], heading [S])."""
 
-    def __init__(self, rollouts: LazyRollouts, block: int, prey: Polar, objective: Objective) -> None:
+    def __init__(self, rollouts: LazyRollouts, block: int, prey: Polar[FloatArray], objective: Objective) -> None:
         first, *after = (
             [a[block] for a in (part.forward, part.right, part.heading)]  # [T, S, G]
             for part in (rollouts.outcomes, *rollouts.outcomes.after)

@@ -226,8 +226,8 @@ def _places(situation: Situation) -> Sequence[Pose | None]:
     if situation.pose is None:
         return [None] * len(situation.transitions)
     track = prey_track(situation)
-    seen = zip(*(part.tolist() for part in track), strict=True)
-    return [situation.pose.compose(Polar(*pose)) for pose in seen][:-1]
+    seen: list[tuple[float, float, float]] = list(zip(*(part.tolist() for part in track), strict=True))
+    return [situation.pose.compose(Polar(*pose)) for pose in seen[:-1]]
 
 
 def _with_weights(make_trace: Any, labels: list[str], weights: np.ndarray) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -55,7 +56,7 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     return figure
 
 
-def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+def _ends(model: ForwardModel, gait: int) -> tuple[Polar[Any], np.ndarray, np.ndarray, np.ndarray]:
     """Where one gait ends, a Polar of arrays [N] with the sizes [N] of its dots, and its headings [M] with theirs."""
     if not model.has_counts:
         return _probable_ends(model, gait)
@@ -71,7 +72,7 @@ def _ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray
     return ends, size, ends.heading, size
 
 
-def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, np.ndarray, np.ndarray]:
+def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar[Any], np.ndarray, np.ndarray, np.ndarray]:
     """The same from probabilities alone: bins of less than one in a thousand are left out."""
     distance, angle, heading = model.axes
     joint = model.evidence(*np.ogrid[: distance.bins, : angle.bins])[..., gait]
@@ -79,7 +80,7 @@ def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar, np.ndarray, n
     d, a = np.nonzero(share > _LEAST)
     turns = model.probabilities("Heading")[:, gait]
     h = np.flatnonzero(turns > _LEAST)
-    ends = Polar(distance.centres[d], angle.centres[a], None)
+    ends: Polar[Any] = Polar(distance.centres[d], angle.centres[a], None)  # type: ignore[type-var]
     return ends, 1 + _SPREAD * np.sqrt(share[d, a]), heading.centres[h], 1 + _SPREAD * np.sqrt(turns[h])
 
 

@@ -19,7 +19,7 @@ from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, Pose, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
 from bayeshunt.models.body.forward import ForwardModel
@@ -156,20 +156,20 @@ def _polar(row: dict[str, Any], name: str) -> Polar | None:
     return pose if np.isfinite(pose.distance) else None
 
 
-def _stored_path(row: dict[str, Any], name: str) -> Polar | None:
+def _stored_path(row: dict[str, Any], name: str) -> Polar[FloatArray] | None:
     """A path kept in the table: Polar of arrays [T + 1]."""
     parts = [row.get(f"{name}_{k}") for k in Polar._fields]
     return None if any(part is None for part in parts) else Polar(*(np.asarray(part, dtype=float) for part in parts))
 
 
-def _moving(path: Polar | None) -> Polar | None:
+def _moving(path: Polar[FloatArray] | None) -> Polar[FloatArray] | None:
     """The path, or None where the prey is taken to stand still: there is nothing to draw."""
     if path is None or (np.ptp(path.forward) < 1e-9 and np.ptp(path.right) < 1e-9):
         return None
     return path
 
 
-def _expected_path(gaits: list[str], model: ForwardModel | None, previous: str | None) -> Polar | None:
+def _expected_path(gaits: list[str], model: ForwardModel | None, previous: str | None) -> Polar[FloatArray] | None:
     """Where the forward model expects a sequence of gaits to lead after ``previous``, as a Polar of arrays [T + 1]."""
     if model is None:
         return None
@@ -180,7 +180,7 @@ def _expected_path(gaits: list[str], model: ForwardModel | None, previous: str |
     return Polar(*(np.array(part) for part in zip(*poses, strict=True)))
 
 
-def _world_path(hunter: Pose, path: Polar | None) -> list[list[float | None]]:
+def _world_path(hunter: Pose, path: Polar[FloatArray] | None) -> list[list[float | None]]:
     if path is None:
         return []
     poses = np.stack(hunter.compose(path), axis=1).round(4).tolist()
@@ -195,7 +195,7 @@ def _numbers(pose: Polar | None) -> list[float | None] | None:
     return None if pose is None else [number(v) for v in pose]
 
 
-def _aimed(predicted: Polar | None, target: Polar | None) -> int:
+def _aimed(predicted: Polar[FloatArray] | None, target: Polar | None) -> int:
     """How many steps ahead the prey pose is that the plan aims at; -1 if it aims at none of them."""
     if predicted is None or target is None:
         return -1
