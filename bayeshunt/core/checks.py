@@ -21,6 +21,7 @@ __all__ = [
     "check_kind",
     "check_number",
     "check_numbers",
+    "check_positive",
     "check_radians",
     "check_whole",
 ]
@@ -42,6 +43,13 @@ def check_number(value: Any, name: str, expected: str = "a finite number") -> fl
     """Return ``value`` as a float; InputError unless it is a finite number (of Python or NumPy), no text, no truth."""
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise InputError(f"{name}: expected {expected}, got {shown(value)}")
+    return float(value)
+
+
+def check_positive(value: Any, name: str, unit: str) -> float:
+    """Return ``value`` as a float; InputError unless it is a finite number above 0, of ``unit`` ("metres")."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < math.inf:
+        raise InputError(f"{name} must be positive {unit}, got {shown(value)}")
     return float(value)
 
 

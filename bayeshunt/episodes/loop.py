@@ -20,6 +20,7 @@ from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_radians, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.task import Task
 from bayeshunt.episodes.episode import Episode, Step
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
@@ -118,6 +119,7 @@ class _Trial:
             hunter_pose=hunter_pose, prey_pose=prey_pose,
             catch_distance=settings.protocol.catch_distance * body_length,
         )  # fmt: skip
+        self.task = Task(self.arena.catch_distance, settings.protocol.time_limit)
         self.transitions = self.decisions = 0
         self.distance = 0.0
 
@@ -144,7 +146,7 @@ class _Trial:
                 body_length=robot.body.diameter, time=moment.time, step=self.decisions,
                 previous_gait=previous_gait, time_step=robot.gait_duration,
                 transitions=transitions, pose=moment.hunter,
-                future=self._future(foresight) if foresight else None,
+                future=self._future(foresight) if foresight else None, task=self.task,
             )  # fmt: skip
             plan = planner.plan(situation, rng=self.rng)
             yield situation, plan, moment, observed

@@ -7,8 +7,8 @@ never changes what it is given, so the same situation and seed give the same pla
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Protocol, runtime_checkable
 
@@ -16,11 +16,21 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
-from bayeshunt.core.checks import check_generator, check_kind
+from bayeshunt.core.checks import (
+    check_generator,
+    check_kind,
+    check_number,
+    check_positive,
+    check_radians,
+    check_whole,
+)
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
+from bayeshunt.core.task import CATCH_BODIES, Task
 
 
+@runtime_checkable
 class PreyPredictor(Protocol):
     """What a planner asks of a prey model; :class:`bayeshunt.models.target.prey.PreyModel` is one."""
 
@@ -63,39 +73,83 @@ class Future:
     __hash__ = None  # type: ignore[assignment]  # arrays inside
 
 
+_UNKNOWN = Task()
+
+
 @dataclass(frozen=True)
 class Situation:
-    """What the hunter knows when it decides.
+    """What the hunter knows when it decides; what it does not know is None, and a planner that needs it says so.
 
     prey: the prey's present pose as the hunter sees it.
     prey_model: what has been learned of the prey's pose transitions, one per time-step.
-    body_length: metres, > 0; distances that the paper gives in bodies are multiples of it.
+    body_length: metres, > 0; distances that the paper gives in bodies are multiples of it. None: the planner's
+        model's own; another than that is refused.
     time: seconds since the hunt began. step: number of decisions taken before this one.
     previous_gait: the gait just executed, None at the first step.
-    time_step: seconds that one gait is held.
+    time_step: seconds that one gait is held, > 0. None: the planner's model's own; another than that is refused.
     transitions: the prey's pose transitions observed in this hunt, oldest first, each in the prey's
         own earlier frame, one per time-step: the raw data behind ``prey_model``.
     pose: the hunter's own pose (dead reckoning) in the frame it started in, None if it does not know.
-    future: the prey's true, noise-free future; handed in by an evaluation, and only to a planner whose
-        ``needs_future`` is True (an upper bound, not a hunter).
+    future: the prey's true, noise-free future; handed in by an evaluation, and only to a planner that is
+        registered as one that needs it (an upper bound, not a hunter).
+    task: what counts as a catch, and until when.
+    belief: where the prey may be, where it is not simply seen. models: of the hunter's body and of its prey.
+    map: the walls and obstacles that the hunter knows of. camera: what its camera sees, and where it looks.
+
+    Raises InputError, naming the argument, for one of another kind or out of range.
     """
 
     prey: Polar
     prey_model: PreyPredictor
-    body_length: float = 0.057
+    body_length: float | None = None
     time: float = 0.0
     step: int = 0
     previous_gait: str | None = None
-    time_step: float = 3.328
+    time_step: float | None = None
     transitions: tuple[Polar, ...] = ()
     pose: Pose | None = None
     future: Future | None = None
+    task: Task = _UNKNOWN
+    belief: object | None = None
+    models: object | None = None
+    map: object | None = None
+    camera: object | None = None
 
     def __post_init__(self) -> None:
-        if not all(map(math.isfinite, self.prey)) or self.prey.distance < 0:
+        self._check_prey()
+        check_kind(self.prey_model, "prey_model", PreyPredictor, "a prey model, such as bayeshunt.PreyModel()")
+        for name, unit in (("body_length", "metres"), ("time_step", "seconds")):
+            if getattr(self, name) is not None:
+                check_positive(getattr(self, name), name, unit)
+        check_number(self.time, "time", "seconds since the hunt began")
+        check_whole(self.step, "step", 0)
+        for name, kind, expected in _OPTIONAL:
+            if getattr(self, name) is not None:
+                check_kind(getattr(self, name), name, kind, expected)
+        check_kind(self.transitions, "transitions", Sequence, "a list of Polar")
+        for transition in self.transitions:
+            check_kind(transition, "transitions", Polar, "a list of Polar")
+        object.__setattr__(self, "transitions", tuple(self.transitions))
+        check_kind(self.task, "task", Task, "a Task, with a catch distance [m] and a time limit [s]")
+
+    def _check_prey(self) -> None:
+        check_kind(self.prey, "prey", Polar, "its pose as a Polar")
+        try:
+            possible = all(map(math.isfinite, self.prey)) and self.prey.distance >= 0
+        except TypeError:  # arrays, texts
+            possible = False
+        if not possible:
             raise InputError(f"prey pose must be finite numbers with distance >= 0, got {self.prey}")
-        if not (self.body_length > 0 and math.isfinite(self.body_length)):
-            raise InputError(f"body_length must be positive metres, got {self.body_length}")
+        check_radians(self.prey.angle, "prey angle")
+        check_radians(self.prey.heading, "prey heading")
+
+
+#: Parts of a situation that may be None: name, type, what an error calls it.
+_OPTIONAL: tuple[tuple[str, type, str], ...] = (
+    ("previous_gait", str, "the name of a gait, or None"),
+    ("pose", Pose, "a Pose, or None"),
+    ("future", Future, "a Future, or None"),
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,10 +250,59 @@ class Shown:
         return displays.to_html(self)
 
 
-def check_request(situation: Situation, rng: np.random.Generator) -> None:
-    """Raise InputError unless a planner was given a situation and a generator."""
+def check_request(situation: Situation, rng: np.random.Generator, hunter: GaitRepertoire) -> Situation:
+    """Return what a planner was asked, with the hunter's measures filled in from its model's gaits, ``hunter``.
+
+    Raises InputError unless it is a situation and a generator, or if the situation is one of another body length
+    or time-step than the model's.
+    """
     check_kind(situation, "situation", Situation, "a Situation")
     check_generator(rng)
+    known = (hunter.body_length, hunter.duration)
+    if (situation.body_length, situation.time_step) == known:
+        return situation
+    given = (situation.body_length, situation.time_step)
+    for name, unit, asked, own in zip(("body_length", "time_step"), ("m", "s"), given, known, strict=True):
+        if asked is not None and own is not None and not math.isclose(asked, own, rel_tol=1e-6):
+            raise InputError(
+                f"situation: {name} is {asked:g} {unit}, but the planner's model is of a robot with {own:g} {unit}; "
+                "fit a model for this robot"
+            )
+    return replace(
+        situation,
+        body_length=known[0] if given[0] is None else given[0],
+        time_step=known[1] if given[1] is None else given[1],
+    )
+
+
+def known_length(value: float | None, planner: str) -> float:
+    """Return a body length [m]; InputError, for a planner of this name, if it is not known."""
+    if value is None:
+        raise InputError(
+            f"planner {planner!r} needs the robot's body length, which its model does not say: "
+            "fit it with GaitRepertoire(..., body_length=metres)"
+        )
+    return value
+
+
+def known_step(value: float | None, planner: str) -> float:
+    """Return a time-step [s]; InputError, for a planner of this name, if it is not known."""
+    if value is None:
+        raise InputError(
+            f"planner {planner!r} needs to know how long a gait is held, which its model does not say: "
+            "fit it with GaitRepertoire(..., duration=seconds)"
+        )
+    return value
+
+
+def catch_distance(situation: Situation, chosen: float | None, planner: str) -> float:
+    """Return the distance between the centres that counts as a catch [m].
+
+    chosen: a planner's own setting, body lengths; None: the situation's task says, or else the paper does.
+    """
+    if chosen is None and situation.task.catch_distance is not None:
+        return situation.task.catch_distance
+    return (CATCH_BODIES if chosen is None else chosen) * known_length(situation.body_length, planner)
 
 
 def predict_prey(situation: Situation, steps: int) -> tuple[Polar[FloatArray], bool]:

@@ -8,6 +8,7 @@ from pydantic import Field, field_validator
 
 from bayeshunt.config.schema.groups import Finite, Positive, Settings
 from bayeshunt.core.checks import FULL_TURN, beyond_a_turn
+from bayeshunt.core.task import CATCH_BODIES
 
 __all__ = ["PhysicsSettings", "ProtocolSettings"]
 
@@ -41,7 +42,7 @@ class ProtocolSettings(Settings):
     runs: Annotated[int, Field(ge=1, le=10_000_000)] = Field(100, description="runs per bearing")
     prey_distance: Positive = Field(5.0, description="first distance of the prey [body lengths]")
     time_limit: Positive = Field(60.0, description="a run without a catch ends here [s]")
-    catch_distance: Positive = Field(1.02, description="centre distance that counts as a catch [body lengths]")
+    catch_distance: Positive = Field(CATCH_BODIES, description="centre distance that counts as a catch [body lengths]")
 
     @field_validator("thetas")
     @classmethod

@@ -22,7 +22,8 @@ class Omniscient(SequenceHunter):
 
     depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
     margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
+    count as a catch, > 0; by default what the experiment says.
     ``rng`` is not used.
 
     It is a yardstick and no strict bound: it follows mean paths, so where noise decides a hunter that
@@ -41,7 +42,7 @@ class Omniscient(SequenceHunter):
         depth: int = 4,
         max_transitions: int = 3,
         margin: float = 0.9,
-        catch_distance: float = 1.02,
+        catch_distance: float | None = None,
     ) -> None:
         super().__init__(model, depth, max_transitions, margin, catch_distance)
 
@@ -52,7 +53,7 @@ class Omniscient(SequenceHunter):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of earliest capture."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         if situation.future is None:
             raise InputError("omniscient needs the prey's future, which only an evaluation hands in")
         paths = self.paths

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ from bayeshunt.core.errors import InputError, ModelFileError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.files.atomic import check_source, replace_atomically
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_step
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
 
 FORMAT = 1
@@ -112,20 +113,29 @@ class Reference(Shown):
                 "and give it as planner.reference.table"
             )
         self.table = table if isinstance(table, ReferenceTable) else ReferenceTable.load(table)
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         if self.table.gaits != self.gaits:
             raise InputError(
                 f"reference: the table's gaits ({', '.join(self.table.gaits)}) are not the model's; make it again"
             )
-        if abs(self.table.chase.duration - model.gaits.duration) > 1e-9:
+        if abs(self.table.chase.duration - known_step(model.gaits.duration, self.name)) > 1e-9:
             raise InputError(
                 f"reference: the table is for a time-step of {self.table.chase.duration} s, "
                 f"the model's is {model.gaits.duration} s; make it again"
             )
 
+    def _check_task(self, situation: Situation) -> None:
+        reach, asked = self.table.chase.reach, situation.task.catch_distance
+        if asked is not None and not math.isclose(reach, asked, rel_tol=1e-6):
+            raise InputError(
+                f"reference: the table is for a catch at {reach:g} m, this hunt's is at {asked:g} m; make it again"
+            )
+
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of least expected time to capture."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
+        self._check_task(situation)
         table, state = self.table, np.array([float(part) for part in situation.prey])
         times = expected_times(table.chase, table.grid, table.values, state)
         best = int(np.argmin(times))

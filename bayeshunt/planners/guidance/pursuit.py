@@ -12,7 +12,7 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, known_step
 from bayeshunt.planners.guidance.steering import Steering, intercept_time, prey_track
 
 
@@ -25,11 +25,11 @@ class PurePursuit(Shown):
     name = "pure_pursuit"
 
     def __init__(self, model: ForwardModel) -> None:
-        self.steering = Steering(model)
+        self.steering = Steering(model, self.name)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the prey's present position."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.steering.hunter)
         prey = situation.prey
         return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
 
@@ -55,21 +55,21 @@ class ProportionalNavigation(Shown):
                 f"proportional_navigation: navigation_constant must be a number > 0, got {navigation_constant!r}"
             )
         self.navigation_constant = float(navigation_constant)
-        self.steering = Steering(model)
+        self.steering = Steering(model, self.name)
         self._fast = _fast_gaits(self.steering)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait whose turn is nearest the one commanded."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.steering.hunter)
         steering, prey = self.steering, situation.prey
         ahead, right = float(prey.forward), float(prey.right)
         if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
             return steering.towards(ahead, right, heading=float(prey.heading))
-        track = prey_track(situation)
-        v_ahead = float(track.forward[-1] - track.forward[-2]) / situation.time_step - steering.top_speed
-        v_right = float(track.right[-1] - track.right[-2]) / situation.time_step
+        track, step = prey_track(situation), known_step(situation.time_step, self.name)
+        v_ahead = float(track.forward[-1] - track.forward[-2]) / step - steering.top_speed
+        v_right = float(track.right[-1] - track.right[-2]) / step
         rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
-        turn = self.navigation_constant * rate * situation.time_step
+        turn = self.navigation_constant * rate * step
         turn = max(-math.pi, min(math.pi, turn))
         miss = np.abs(np.asarray(wrap(steering.heading - turn)))
         miss = np.where(self._fast, miss, miss + math.pi)
@@ -103,26 +103,26 @@ class ConstantVelocity(Shown):
             if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 < value < math.inf):
                 raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
         self.acceleration, self.position = float(acceleration), float(position)
-        self.steering = Steering(model)
+        self.steering = Steering(model, self.name)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the point of interception."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.steering.hunter)
         if not situation.transitions:
             prey = situation.prey
             return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
         ahead, right, v_ahead, v_right = self._estimate(situation)
-        reach = situation.body_length
+        reach, step = known_length(situation.body_length, self.name), known_step(situation.time_step, self.name)
         time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)
         # a gait is held for a whole step, so a point that is passed before the step ends is no aim
-        time = max(time, situation.time_step) if math.isfinite(time) else situation.time_step
+        time = max(time, step) if math.isfinite(time) else step
         return self.steering.towards(ahead + v_ahead * time, right + v_right * time, prey_known=True)
 
     def _estimate(self, situation: Situation) -> tuple[float, float, float, float]:
         """Return the filtered position [m] and velocity [m/s] of the prey: ahead, right, and their rates."""
         from pykalman import KalmanFilter
 
-        step, speed = situation.time_step, self.steering.top_speed
+        step, speed = known_step(situation.time_step, self.name), self.steering.top_speed
         track = prey_track(situation)
         seen = np.column_stack([track.forward, track.right])
         move = np.kron([[1.0, step], [0.0, 1.0]], np.eye(2))

@@ -81,7 +81,7 @@ class BeliefPlanner(InterceptPlanner):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the least expected time of capture."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         block = int(rng.integers(self.settings.blocks))
         return self.choose(situation, self.blocks[block], self.sampled(situation, block))
 

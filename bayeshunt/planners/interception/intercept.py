@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel
-from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.api import Plan, Situation, catch_distance, check_request, known_length, known_step
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.pairs import PairPlanner
@@ -21,7 +22,8 @@ from bayeshunt.planners.interception.pairs import PairPlanner
 class InterceptSettings:
     """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on.
 
-    catch_distance: body lengths between the centres that count as a capture, > 0.
+    catch_distance: body lengths between the centres that count as a capture, > 0; by default what the experiment
+        says.
     spread: body lengths about ``catch_distance`` over which the chance of a capture falls from 1 to 0, > 0.
     heading_price: what turning towards the prey costs beyond the lookahead, in time-steps per softest
         full-speed turn, >= 0.
@@ -34,7 +36,7 @@ class InterceptSettings:
     turn_steps: time-steps ahead in which a turn of the prey is considered, >= 0.
     """
 
-    catch_distance: float = 1.02
+    catch_distance: float | None = None
     spread: float = 0.1
     heading_price: float = 1.0
     prior: bool = True
@@ -46,7 +48,9 @@ class InterceptSettings:
     turn_steps: int = 4
 
     def __post_init__(self) -> None:
-        for name in ("catch_distance", "spread", "prior_speed", "hazard_steps", "turn_weight", "turn_threshold"):
+        if self.catch_distance is not None:
+            check_number("catch_distance", self.catch_distance, above=0.0)
+        for name in ("spread", "prior_speed", "hazard_steps", "turn_weight", "turn_threshold"):
             check_number(name, getattr(self, name), above=0.0)
         check_number("heading_price", self.heading_price)
         check_number("hazard", self.hazard, most=1.0)
@@ -90,9 +94,10 @@ class InterceptPlanner(PairPlanner):
         own = OwnMotion.of(model, chosen.turn_threshold)
         if not own.top_speed > 0:
             raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
-        step, body = model.gaits.duration, model.gaits.body_length
+        step, body = known_step(model.gaits.duration, self.name), known_length(model.gaits.body_length, self.name)
         price = chosen.heading_price * step / own.softest_turn
-        super().__init__(model, Homing(own.top_speed / step, chosen.catch_distance * body, price), chosen.spread * body)
+        reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
+        super().__init__(model, Homing(own.top_speed / step, reach, price), chosen.spread * body)
         self.prior = TurnModel(
             prior_speed=chosen.prior_speed * own.top_speed,
             prior_turns=own.turns,
@@ -113,9 +118,13 @@ class InterceptPlanner(PairPlanner):
         futures = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
         return futures if self.settings.prior or situation.transitions else futures.standing_still()
 
+    def reach(self, situation: Situation) -> float:
+        """Return the distance between the centres that is a capture [m]."""
+        return catch_distance(situation, self.settings.catch_distance, self.name)
+
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the earliest expected capture."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         return self.choose(situation, self.pairs_from(situation), self.futures(situation))
 
 

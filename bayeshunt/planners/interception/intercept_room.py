@@ -14,7 +14,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Pose
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel
-from bayeshunt.planners.api import Situation
+from bayeshunt.planners.api import Situation, known_length
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
@@ -79,7 +79,7 @@ class InterceptRoomPlanner(InterceptPlanner):
     def __init__(self, model: ForwardModel, settings: RoomGuessSettings | None = None) -> None:
         chosen = RoomGuessSettings() if settings is None else settings
         super().__init__(model, chosen)
-        body = model.gaits.body_length
+        body = known_length(model.gaits.body_length, self.name)
         self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
         self.slack = chosen.slack * body
         self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]

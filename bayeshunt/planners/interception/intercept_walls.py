@@ -9,7 +9,7 @@ from typing import Any
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Situation
+from bayeshunt.planners.api import Situation, known_length
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
@@ -57,7 +57,7 @@ class InterceptWallsPlanner(InterceptPlanner):
         chosen = RoomSettings() if settings is None else settings
         super().__init__(model, chosen)
         self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
-        keep = chosen.clearance * model.gaits.body_length
+        keep = chosen.clearance * known_length(model.gaits.body_length, self.name)
         self.walls = Walls(
             tuple((float(x), float(y)) for x, y in self.room.normals),
             tuple(float(offset) - keep for offset in self.room.offsets),

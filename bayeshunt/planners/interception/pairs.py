@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,10 +20,12 @@ from bayeshunt.planners.interception.lookahead import PairPaths, decide, look_ah
 class PairPlanner(Shown):
     """Chooses the pair of gaits of the earliest expected capture; ties go to the first in table order.
 
-    homing: the estimate beyond both steps. spread: metres, see :func:`look_ahead`.
+    homing: the estimate beyond both steps; each decision has its own :meth:`reach`. spread: metres, see
+    :func:`look_ahead`.
     """
 
     def __init__(self, model: ForwardModel, homing: Homing, spread: float) -> None:
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         self.time_step = model.gaits.duration
         self.pairs = PairPaths.mean(model)
@@ -35,13 +38,20 @@ class PairPlanner(Shown):
         """Return the mean paths of every pair of gaits after the one just executed."""
         return self.pairs_after.get(situation.previous_gait or "", self.pairs)
 
+    def reach(self, situation: Situation) -> float:
+        """Return the distance between the centres that is a capture [m]; by default the homing estimate's."""
+        return self.homing.reach
+
     def choose(self, situation: Situation, pairs: PairPaths, futures: Futures) -> Plan:
         """Return the best plan against ``futures``.
 
         ``prey_known`` is False until a transition has been seen; ``trace`` has one row per sequence of
         at most two gaits, see :func:`trace`; ``predicted_prey`` is the most probable future.
         """
-        outlook = look_ahead(pairs, futures, self.homing, self.spread)
+        homing = self.homing
+        if (reach := self.reach(situation)) != homing.reach:
+            homing = replace(homing, reach=reach)
+        outlook = look_ahead(pairs, futures, homing, self.spread)
         values, pair_values = decide(outlook, futures)
         first = int(values.argmin())
         second = int(pair_values[first].argmin())
@@ -51,7 +61,7 @@ class PairPlanner(Shown):
             value=float(values[first]),
             objective="expected time to the capture [s]",
             nodes=1 + len(values) + pair_values.size,
-            make_trace=partial(trace, self.gaits, pairs, futures, self.homing, self.spread),
+            make_trace=partial(trace, self.gaits, pairs, futures, homing, self.spread),
             expansions=1 + len(values),
             prey_known=bool(situation.transitions),
             predicted_prey=futures.likeliest(np.array([1.0, 2.0]) * self.time_step),

@@ -15,7 +15,7 @@ import pandas as pd
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, predict_prey
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, predict_prey
 from bayeshunt.planners.search.rollouts import (
     CompiledRollouts,
     GaitTree,
@@ -95,6 +95,7 @@ class PlanningPlanner(Shown):
 
     def __init__(self, model: ForwardModel, settings: PlanningSettings | None = None) -> None:
         self.settings = settings = PlanningSettings() if settings is None else settings
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         outcomes = Outcomes.draw(model, settings.depth, settings.samples, settings.blocks, settings.bank_seed)
         after = {self.gaits[gait]: outcomes.starting_after(gait) for gait in range(len(outcomes.after))}
@@ -105,13 +106,13 @@ class PlanningPlanner(Shown):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Search, and return the best sequence found."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         chosen = self.settings
         prey, known = predict_prey(situation, chosen.depth)
         rollouts = self.rollouts_after.get(situation.previous_gait or "", self.rollouts)
         space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
-        stop = chosen.stop_distance * situation.body_length
-        tree = Search(chosen.order, chosen.depth, chosen.expansions, stop).run(space)
+        body = known_length(situation.body_length, self.name)
+        tree = Search(chosen.order, chosen.depth, chosen.expansions, chosen.stop_distance * body).run(space)
         gaits = tuple(self.gaits[space.gait(tree.handles[n])] for n in tree.branch(tree.best)[1:])
         return Plan(
             gait=gaits[0],
@@ -121,7 +122,7 @@ class PlanningPlanner(Shown):
             if chosen.objective is mean_distance
             else getattr(chosen.objective, "__name__", repr(chosen.objective)),
             nodes=len(tree.handles),
-            make_trace=partial(_trace, self.gaits, space.describe, tree, prey, situation.body_length),
+            make_trace=partial(_trace, self.gaits, space.describe, tree, prey, body),
             expansions=len(tree.expanded),
             target=Polar(*(float(values[len(gaits)]) for values in prey)),
             prey_known=known,

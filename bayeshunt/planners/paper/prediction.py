@@ -9,7 +9,7 @@ import numpy as np
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, predict_prey
+from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, predict_prey
 from bayeshunt.planners.paper.reactive import aim
 
 # A distance of 5 bodies may arrive as 4.999999999999999; it must not change the rounding.
@@ -36,12 +36,13 @@ class PredictionPlanner(Shown):
 
     def __init__(self, model: ForwardModel) -> None:
         self.inverse = InverseModel(model)
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of highest posterior at the prey's predicted position."""
-        check_request(situation, rng)
-        steps = steps_ahead(situation.prey.distance, situation.body_length)
+        situation = check_request(situation, rng, self.hunter)
+        steps = steps_ahead(situation.prey.distance, known_length(situation.body_length, self.name))
         path, known = predict_prey(situation, steps)
         target = Polar(*(float(values[-1]) for values in path))
         inverse = self.inverse.after(situation.previous_gait)

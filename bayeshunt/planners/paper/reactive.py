@@ -25,11 +25,12 @@ class ReactivePlanner(Shown):
 
     def __init__(self, model: ForwardModel) -> None:
         self.inverse = InverseModel(model)
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of highest posterior at the prey's present position."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         return aim(self.inverse.after(situation.previous_gait), self.gaits, situation.prey)
 
 

@@ -58,7 +58,8 @@ class Frugal(SequenceHunter):
     seconds_per_node: seconds that considering one sequence takes, >= 0.
     depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
     margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
+    count as a catch, > 0; by default what the experiment says.
     ``rng`` is not used.
     """
 
@@ -76,7 +77,7 @@ class Frugal(SequenceHunter):
         depth: int = 3,
         max_transitions: int = 2,
         margin: float = 0.9,
-        catch_distance: float = 1.02,
+        catch_distance: float | None = None,
     ) -> None:
         super().__init__(model, depth, max_transitions, margin, catch_distance)
         self.weights = CostWeights(time, distance, transitions, planning)
@@ -94,7 +95,7 @@ class Frugal(SequenceHunter):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of least cost."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         paths, known = self.paths, not situation.prey_model.is_empty
         prey = self._prey(situation)
         reach = self.reach(situation)

@@ -13,7 +13,7 @@ import pandas as pd
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.api import Plan, Shown, Situation, catch_distance, known_step
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
 
 
@@ -22,24 +22,28 @@ class SequenceHunter(Shown):
 
     depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
     margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0;
+    None: what the situation's task says.
     """
 
     name: str
 
     def __init__(
-        self, model: ForwardModel, depth: int, max_transitions: int, margin: float, catch_distance: float
+        self, model: ForwardModel, depth: int, max_transitions: int, margin: float, catch_distance: float | None
     ) -> None:
         check_search(self.name, depth, max_transitions, margin, catch_distance)
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
+        known_step(model.gaits.duration, self.name)
         self.paths = CapturePaths(model, depth, max_transitions)
         self.depth, self.max_transitions = int(depth), int(max_transitions)
-        self.margin, self.catch_distance = float(margin), float(catch_distance)
+        self.margin = float(margin)
+        self.catch_distance = None if catch_distance is None else float(catch_distance)
         self.leaves = np.arange(self.paths.layers[-2], self.paths.layers[-1])  # the sequences of full depth
 
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that a planned capture must come within [m]."""
-        return self.margin * self.catch_distance * situation.body_length
+        return self.margin * catch_distance(situation, self.catch_distance, self.name)
 
 
 def check_search(name: str, depth: Any, max_transitions: Any, margin: Any, catch_distance: Any) -> None:
@@ -47,7 +51,8 @@ def check_search(name: str, depth: Any, max_transitions: Any, margin: Any, catch
     for key, value, least in (("depth", depth, 1), ("max_transitions", max_transitions, 0)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
             raise InputError(f"{name}: {key} must be a whole number >= {least}, got {value!r}")
-    for key, value, most in (("margin", margin, 1.0), ("catch_distance", catch_distance, math.inf)):
+    within = 1.0 if catch_distance is None else catch_distance
+    for key, value, most in (("margin", margin, 1.0), ("catch_distance", within, math.inf)):
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= most:
             raise InputError(f"{name}: {key} must be a number above 0, got {value!r}")
 
@@ -74,7 +79,7 @@ def capture_plan(
         value=float(values[best]),
         objective=objective,
         nodes=int(np.isfinite(values).sum()),
-        make_trace=partial(_trace, paths, gaits, values, branch, situation.body_length),
+        make_trace=partial(_trace, paths, gaits, values, branch),
         target=Polar(*(float(part[-1]) for part in predicted)),
         prey_known=prey_known,
         predicted_prey=predicted,
@@ -89,9 +94,7 @@ def path_to(paths: CapturePaths, node: int) -> list[int]:
     return branch[::-1]
 
 
-def _trace(
-    paths: CapturePaths, gaits: tuple[str, ...], values: np.ndarray, branch: list[int], body_length: float
-) -> pd.DataFrame:
+def _trace(paths: CapturePaths, gaits: tuple[str, ...], values: np.ndarray, branch: list[int]) -> pd.DataFrame:
     """One row per sequence that was given a value: its gaits, its mean end and its value."""
     nodes = np.flatnonzero(np.isfinite(values))
     chosen = set(branch)

@@ -58,7 +58,8 @@ class Memory(SequenceHunter):
     table fallen back on is worth, > 0. paths: prey paths sampled, >= 1.
     depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
     margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0.
+    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
+    count as a catch, > 0; by default what the experiment says.
     ``rng`` samples the paths.
     """
 
@@ -78,7 +79,7 @@ class Memory(SequenceHunter):
         depth: int = 3,
         max_transitions: int = 2,
         margin: float = 0.9,
-        catch_distance: float = 1.02,
+        catch_distance: float | None = None,
     ) -> None:
         name, kind = self.name, self.kind
         _check(name, tables, believe, smoothing, paths)
@@ -89,7 +90,7 @@ class Memory(SequenceHunter):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of earliest expected capture."""
-        check_request(situation, rng)
+        situation = check_request(situation, rng, self.hunter)
         paths = self.paths
         some = self.experts[0].kept
         own = TransitionTables("all", some.axes, some.place_size)
