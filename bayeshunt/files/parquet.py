@@ -19,6 +19,7 @@ import numpy as np
 
 from bayeshunt.core.errors import DataError
 from bayeshunt.files.atomic import replace_atomically
+from bayeshunt.files.records import digest as checksum
 
 __all__ = ["KEY", "PROVENANCE_KEY", "ROW_GROUP", "Reader", "digest", "read", "seal", "unseal", "write", "write_groups"]
 
@@ -29,6 +30,7 @@ PROVENANCE_KEY = KEY.decode()
 #: Rows of a row group: what is held in memory at a time when a file is streamed.
 ROW_GROUP = 100_000
 
+#: Where the record keeps its checksums.
 _SEAL = "seal"
 
 
@@ -86,14 +88,14 @@ class Reader:
             self._file = pq.ParquetFile(path, memory_map=False, page_checksum_verification=True)
             self.schema = self._file.schema_arrow.remove_metadata()
             self.rows = int(self._file.metadata.num_rows)
-            sealed = (self._file.metadata.metadata or {}).get(KEY)
+            stored = (self._file.metadata.metadata or {}).get(KEY)
             # Arrow keeps a second copy inside its own schema: damage to one shows in the other.
-            if sealed != (self._file.schema_arrow.metadata or {}).get(KEY):
+            if stored != (self._file.schema_arrow.metadata or {}).get(KEY):
                 raise ValueError("two copies of its record differ")
             self.record: dict[str, Any] | None = None
             self.digests: list[str] | None = None
-            if sealed is not None:
-                self.record, self.digests = unseal(sealed)
+            if stored is not None:
+                self.record, self.digests = unseal(stored)
             if self.digests is not None and len(self.digests) != max(self._file.num_row_groups, 1):
                 raise ValueError("row groups are missing")
 
@@ -169,26 +171,22 @@ def _plain_values(column: Any) -> tuple[str, list[Any]]:
 def seal(record: dict[str, Any], digests: list[str]) -> bytes:
     """Return the record as JSON with the digests and a checksum of everything inside."""
     body = {**record, _SEAL: {"groups": digests}}
-    body[_SEAL]["checksum"] = _checksum(body)
+    body[_SEAL]["checksum"] = checksum(body)
     return json.dumps(body, sort_keys=True).encode()
 
 
 def unseal(text: bytes) -> tuple[dict[str, Any], list[str] | None]:
-    """Return the record and the digests (None if it was never sealed); ValueError if it was altered."""
+    """Return the record and the digests (None if it holds none); ValueError if it was altered."""
     body = json.loads(text)
     if not isinstance(body, dict):
         raise ValueError("its record is not an object")
-    sealed = body.get(_SEAL)
-    if sealed is None:
+    facts = body.get(_SEAL)
+    if facts is None:
         return body, None
-    if not isinstance(sealed, dict) or not isinstance(sealed.get("groups"), list):
-        raise ValueError("its record has no seal that can be read")
-    stated = sealed.pop("checksum", None)
-    if stated != _checksum(body):
+    if not isinstance(facts, dict) or not isinstance(facts.get("groups"), list):
+        raise ValueError("its record has no checksums that can be read")
+    stated = facts.pop("checksum", None)
+    if stated != checksum(body):
         raise ValueError("its record does not match its checksum")
     del body[_SEAL]
-    return body, sealed["groups"]
-
-
-def _checksum(body: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
+    return body, facts["groups"]

@@ -1,4 +1,4 @@
-"""Sealed Parquet files: damage is noticed, foreign files are read, files of any size are streamed."""
+"""Checksummed Parquet files: damage is noticed, foreign files are read, files of any size are streamed."""
 
 import json
 
@@ -45,7 +45,7 @@ def test_an_altered_record_is_noticed():
 
 
 @pytest.mark.parametrize("seal", [3, "x", {}, {"groups": None}, {"groups": 1, "checksum": ""}, {"groups": []}])
-def test_a_seal_that_makes_no_sense_is_one_line(tmp_path, seal):
+def test_checksums_that_make_no_sense_are_one_line(tmp_path, seal):
     table = pa.table({"a": [1.0]}).replace_schema_metadata({parquet.KEY: json.dumps({"seal": seal}).encode()})
     pq.write_table(table, tmp_path / "t.parquet")
     with pytest.raises(DataError, match=r"t\.parquet: cannot be read as a table \(.+\); make it again$"):

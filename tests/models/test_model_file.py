@@ -102,7 +102,7 @@ def test_edited(path: Path) -> None:
     assert "checksum does not match" in refused(path)
 
 
-def test_layout_is_not_sealed(model: ForwardModel, path: Path) -> None:
+def test_layout_is_not_checksummed(model: ForwardModel, path: Path) -> None:
     path.write_text(json.dumps(json.loads(path.read_text()), indent=4))
     assert ForwardModel.load(path) == model
 

@@ -161,9 +161,9 @@ def test_damaged_memories_are_refused(tmp_path):
         path.write_text(broken)
         with pytest.raises(ModelFileError, match=r"memory\.json: .*(make it again|made by: bayeshunt remember)"):
             PreyMemory.load(path)
-    sealed = {"format": 1, "tables": [], "distance_width": 0.01}  # sound, but nothing that this version wrote
-    checksum = hashlib.sha256(json.dumps(sealed, sort_keys=True).encode()).hexdigest()
-    path.write_text(json.dumps({"memory": sealed, "checksum": checksum}))
+    sound = {"format": 1, "tables": [], "distance_width": 0.01}  # but nothing that this version wrote
+    checksum = hashlib.sha256(json.dumps(sound, sort_keys=True).encode()).hexdigest()
+    path.write_text(json.dumps({"memory": sound, "checksum": checksum}))
     with pytest.raises(ModelFileError, match=r"memory\.json: malformed content"):
         PreyMemory.load(path)
     with pytest.raises(ModelFileError, match="bayeshunt remember"):

@@ -6,25 +6,21 @@ leave, in the frame in which the hunter started. Letters: W walls.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.errors import DataError, ModelFileError
+from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
-from bayeshunt.files.atomic import check_source, write_text
+from bayeshunt.files.records import RecordKind
 from bayeshunt.models.body.forward import ForwardModel
 
-KIND, FORMAT = "bayeshunt room", 1
-_MAKER = "bayeshunt explore"
+_RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
 _COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
 #: A step ended this many body lengths from where its gait leads: something was in the way.
 _BLOCKED = 1.0
@@ -99,29 +95,20 @@ class RoomModel:
             "blocked": self.blocked.tolist(),
             "provenance": dict(self.provenance),
         }
-        record = {"kind": KIND, "format": FORMAT, "checksum": _checksum(content), "content": content}
-        write_text(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
+        _RECORD.save(content, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RoomModel:
         """Read a room; ModelFileError in one line if the file is missing, damaged or something else."""
-        check_source(path, _MAKER, ModelFileError)
-        name, mend = os.fspath(path), f"give a file made by: {_MAKER}"
+        _, content = _RECORD.load(path)
         try:
-            record = json.loads(Path(path).read_text(encoding="utf-8"))
-            content = record["content"]
-            kind = (record["kind"], record["format"])
-            sound = record["checksum"] == _checksum(content)
             normals = np.array(content["normals"], dtype=float).reshape(-1, 2)
-            rest = [np.array(content[key], dtype=float) for key in ("offsets", "lengths", "blocked")]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            reason = (str(error).splitlines() or [""])[0][:120]
-            raise ModelFileError(f"{name}: not a room ({type(error).__name__}: {reason}); {mend}") from None
-        if kind != (KIND, FORMAT):
-            raise ModelFileError(f"{name}: kind and format are {kind}, expected {(KIND, FORMAT)}; {mend}")
-        if not sound or any(len(part) != len(normals) for part in rest):
-            raise ModelFileError(f"{name}: the checksum does not match: edited or damaged; {mend}")
-        return cls(normals, rest[0], rest[1], rest[2].astype(int), content["provenance"])
+            offsets, lengths, blocked = (np.array(content[k], dtype=float) for k in ("offsets", "lengths", "blocked"))
+            if {len(offsets), len(lengths), len(blocked)} != {len(normals)}:
+                raise ValueError("every wall needs an offset, a length and a count")
+            return cls(normals, offsets, lengths, blocked.astype(int), content["provenance"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise _RECORD.malformed(os.fspath(path), error) from None
 
 
 def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:
@@ -182,8 +169,3 @@ def _merge(edges: np.ndarray, held: np.ndarray, body: float) -> list[tuple[float
         if length >= _LENGTH * body and near >= _SUPPORT:
             walls.append((nx, ny, offset, length, float(near)))
     return walls
-
-
-def _checksum(content: Any) -> str:
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return "sha256:" + hashlib.sha256(canonical.encode()).hexdigest()

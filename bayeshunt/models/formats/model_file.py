@@ -1,4 +1,4 @@
-"""The model file: JSON that anyone can open, sealed by a checksum, written all or nothing.
+"""The model file: JSON that anyone can open, checksummed, written all or nothing.
 
 ``content`` holds what defines a model (gaits, axes, counts, fixed-point sums, prior, provenance);
 every probability is derived from it. Keys are sorted and numbers written in full, so that the same
@@ -7,18 +7,18 @@ model gives the same bytes and comes back bit for bit.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
-from bayeshunt.core.errors import BayesHuntError, InputError, ModelFileError
+from bayeshunt.core.errors import BayesHuntError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
-from bayeshunt.files.atomic import check_source, replace_atomically
+from bayeshunt.files.atomic import replace_atomically
+from bayeshunt.files.records import RecordKind
+from bayeshunt.files.records import checksum as _checksum
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.previous import PreviousGaitModel
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS, JointCounts
@@ -36,7 +36,7 @@ _FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
 READABLE = (1, 2, 3)
 
-_MEND = "give a file made by: bayeshunt fit"
+_RECORD = RecordKind(KIND, MAKER, READABLE)
 
 
 def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
@@ -57,14 +57,7 @@ def load(path: str | os.PathLike[str]) -> ForwardModel:
     Raises ModelFileError in one line: missing, unreadable, not JSON, another kind of file, a newer
     format, edited (checksum), or malformed.
     """
-    name = check_source(path, MAKER, ModelFileError)
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
-    except UnicodeDecodeError:
-        raise ModelFileError(f"{name}: not a {KIND} (not a text file); {_MEND}") from None
-    return loads(text, name)
+    return loads(_RECORD.read_text(path), os.fspath(path))
 
 
 def dumps(model: ForwardModel) -> str:
@@ -76,34 +69,19 @@ def dumps(model: ForwardModel) -> str:
         raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
     content = _content(model)
     version = FORMAT if isinstance(model, PreviousGaitModel) else _FORMAT_WITHOUT_PREVIOUS
-    seal = {"kind": KIND, "format": version, "checksum": _checksum(content)}
-    head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in seal.items()]
+    facts = {"kind": KIND, "format": version, "checksum": _checksum(content)}
+    head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in facts.items()]
     body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
     return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
 
 
 def loads(text: str, name: str = "model") -> ForwardModel:
     """Return the model in ``text``; ``name`` is what errors call it. Raises ModelFileError."""
-    try:
-        record = json.loads(text, parse_constant=_refuse)
-    except (ValueError, RecursionError) as error:
-        reason = str(error).splitlines()[0]
-        raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason})") from None
-    if not isinstance(record, dict) or record.get("kind") != KIND:
-        raise ModelFileError(f"{name}: not a {KIND}; {_MEND}")
-    version = record.get("format")
-    if isinstance(version, int) and version > FORMAT:
-        raise ModelFileError(f"{name}: format {version} is newer than {FORMAT}, the newest known here; upgrade")
-    if isinstance(version, bool) or version not in READABLE:
-        raise ModelFileError(f"{name}: format is {version!r}; expected {' or '.join(map(str, READABLE))}")
-    content: Any = record.get("content")
-    if record.get("checksum") != _checksum(content):
-        raise ModelFileError(f"{name}: checksum does not match: the file was edited or damaged; fit it again")
+    version, content = _RECORD.loads(text, name)
     try:
         return _model(content, NAIVE if version == 1 else _structure(content["structure"]))
     except (KeyError, TypeError, ValueError, OverflowError, BayesHuntError) as error:
-        reason = (str(error).splitlines() or [""])[0]
-        raise ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason})") from None
+        raise _RECORD.malformed(name, error) from None
 
 
 # --- a model as plain numbers ----------------------------------------------------------------------
@@ -151,12 +129,6 @@ def _layout(key: str, value: Any) -> str:
         rows = ",\n  ".join(json.dumps(row, sort_keys=True) for row in value)
         return f"[\n  {rows}]"
     return json.dumps(value, sort_keys=True)
-
-
-def _checksum(content: Any) -> str:
-    """SHA-256 over the content in canonical form: layout and key order do not matter, values do."""
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return "sha256:" + hashlib.sha256(canonical.encode()).hexdigest()
 
 
 # --- plain numbers as a model ----------------------------------------------------------------------
@@ -231,7 +203,3 @@ def _whole(value: Any, dimensions: int) -> np.ndarray:
 
 def _is_whole(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
-
-
-def _refuse(constant: str) -> None:
-    raise ValueError(f"{constant} is not a number")

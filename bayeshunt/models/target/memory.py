@@ -7,21 +7,19 @@ the number of cells of the grid, s the smoothing in transitions.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.errors import ModelFileError
 from bayeshunt.core.geometry import Polar, Pose, wrap
-from bayeshunt.files.atomic import check_source, write_text
+from bayeshunt.files.atomic import write_text
+from bayeshunt.files.records import RecordKind, digest
 
 FORMAT = 1
 #: How a table may be conditioned.
@@ -31,7 +29,7 @@ Cell = tuple[int, int, int]
 #: What a table is conditioned on: () for all, cell and direction for place, coarse transition for previous.
 Context = tuple[int, ...]
 
-_MAKER = "bayeshunt remember"
+_RECORD = RecordKind("prey memory", "bayeshunt remember", (FORMAT,))
 _DIRECTIONS = 8  # of a place, and of the turn in a previous transition
 _DISTANCE_BINS = 100  # of the grid that smoothing spreads over
 
@@ -154,30 +152,21 @@ class PreyMemory:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the memory as JSON with a checksum, replaced atomically."""
         body = self._record()
-        text = json.dumps(body, sort_keys=True)
-        write_text(path, json.dumps({"checksum": hashlib.sha256(text.encode()).hexdigest(), "memory": body}) + "\n")
+        write_text(path, json.dumps({"checksum": digest(body), "memory": body}) + "\n")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PreyMemory:
         """Read a memory; ModelFileError in one line if the file is missing, damaged or something else."""
-        name = check_source(path, _MAKER, ModelFileError)
+        text, name = _RECORD.read_text(path), os.fspath(path)
+        outer = _RECORD.parse(text, name)
+        body = outer.get("memory")
+        # The first record files of this project: without a kind, the format inside the content.
+        _RECORD.check_version(body.get("format") if isinstance(body, dict) else None, name)
+        _RECORD.check_sum(outer.get("checksum"), digest(body), name)
         try:
-            outer = json.loads(Path(path).read_text(encoding="utf-8"))
-            body, checksum = outer["memory"], outer["checksum"]
-            intact = checksum == hashlib.sha256(json.dumps(body, sort_keys=True).encode()).hexdigest()
-            version = body["format"]
-        except OSError as error:
-            raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
-        except (ValueError, KeyError, TypeError):  # what they say is about Python, not about the file
-            raise ModelFileError(f"{name}: not a prey memory, or damaged; give a file made by: {_MAKER}") from None
-        if version != FORMAT:
-            raise ModelFileError(f"{name}: format {version}, but this version reads {FORMAT}; make it again")
-        if not intact:
-            raise ModelFileError(f"{name}: the checksum does not match, the file is damaged; make it again")
-        try:
-            return cls._from_record(body)
-        except (KeyError, TypeError, ValueError, AttributeError):
-            raise ModelFileError(f"{name}: malformed content; give a file made by: {_MAKER}") from None
+            return cls._from_record(outer["memory"])
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise _RECORD.malformed(name, error) from None
 
     def _record(self) -> dict[str, Any]:
         some = next(iter(self.tables.values()))["all"]
