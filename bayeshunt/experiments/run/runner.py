@@ -97,7 +97,7 @@ def evaluate(
             given = None if model is None else model_fingerprint(model)
             asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))
-            model = model_files.loads(database.model, f"{database.path}: the model in it")
+            model = ForwardModel.loads(database.model, f"{database.path}: the model in it")
         elif model is None:
             model = learn_model(settings, seed)
             check_minds(planners, model, settings)

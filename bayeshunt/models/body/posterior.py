@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.geometry import Polar, wrap
-
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.explain import explain
+from bayeshunt.models.body.forward import ForwardModel
 
 
 class Cell(NamedTuple):
@@ -182,9 +181,8 @@ class Posterior(NamedTuple):
 
         Raises InputError for an unknown reference, one of probability 0, or a single gait.
         """
-        from bayeshunt.models.body.explain import explain
-
-        return explain(self.model, self, reference)
+        cell = self.cell
+        return explain(self.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin), self.values, reference)
 
     def __repr__(self) -> str:
         evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())

@@ -1,26 +1,22 @@
-"""Tables out as CSV; networks in from XMLBIF 0.3 or BIF, as other programs write them."""
+"""Networks in from XMLBIF 0.3 or BIF, as other programs write them."""
 
 from __future__ import annotations
 
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
-from bayeshunt.files.atomic import check_path, write_text
-from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.files.atomic import check_path
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import xmlbif
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
-
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
 
 #: Endings of the files that :func:`read_network` reads.
 KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
@@ -28,50 +24,7 @@ KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
 _ROUNDING = 1e-3
 
 
-def write_csv(model: ForwardModel, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write gait.csv, distance.csv, angle.csv and heading.csv into ``folder``; returns the paths.
-
-    One row per cell: gait, bin, low and high (edges of the bin, m or rad; not in gait.csv),
-    probability, count, ci_low and ci_high (95 % credible interval). An imported model has no counts:
-    those three columns are empty; so are the intervals of a P(Gait) that is set to uniform. Numbers are
-    written in full. Where the gait before is a cause, the
-    effects' tables start with a column previous_gait.
-    """
-    place, paths = Path(check_path(folder, "the name of a folder", InputError)), []
-    for variable in network.VARIABLES:
-        path = place / f"{variable.lower()}.csv"
-        write_text(path, cells(model, variable).to_csv(index=False, lineterminator="\n"))
-        paths.append(path)
-    return paths
-
-
-def cells(model: ForwardModel, variable: str) -> pd.DataFrame:
-    """Return a table as one row per cell, the columns of :func:`write_csv`; gaits vary slowest."""
-    if depends_on_previous(model.structure) and variable != "Gait":
-        parts = {name: _cells(model.after(name), variable) for name in model.gaits.names}
-        return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
-    return _cells(model, variable)
-
-
-def _cells(model: ForwardModel, variable: str) -> pd.DataFrame:
-    shown = model.table(variable)
-    values = shown.probability.to_numpy()
-    bins, columns = values.shape
-    if variable == "Gait":
-        frame = pd.DataFrame({"gait": shown.probability.index})
-    else:
-        axis = model.axes[variable]
-        frame = pd.DataFrame({"gait": np.repeat(list(model.gaits.names), bins)})
-        for name, part in (("bin", axis.labels), ("low", axis.edges[:-1]), ("high", axis.edges[1:])):
-            frame[name] = np.tile(np.asarray(part), columns)
-    frame["probability"] = values.T.ravel()
-    counted = {"count": shown.count, "ci_low": shown.low, "ci_high": shown.high}
-    for name, table in counted.items():
-        frame[name] = None if table is None else table.to_numpy().T.ravel()
-    return frame
-
-
-def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAxes | None = None) -> ImportedModel:
+def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAxes | None = None) -> ForwardModel:
     """Read a network over Gait, Distance, Angle, Heading and perhaps PreviousGait from a file of another program.
 
     path: XMLBIF (``.xml``, ``.xmlbif``, ``.bifxml``) or BIF (``.bif``).
@@ -96,8 +49,6 @@ def open_model(path: str | os.PathLike[str], gaits: GaitRepertoire | None = None
     Raises ModelFileError or InputError in one line.
     """
     if not is_network(path):
-        from bayeshunt.models.body.forward import ForwardModel
-
         return ForwardModel.load(path)
     found, labels = _open(path)
     same = gaits is not None and set(gaits.names) == set(labels["Gait"])
@@ -117,7 +68,7 @@ def _open(path: str | os.PathLike[str]) -> tuple[Any, dict[str, list[str]]]:
     return found, _labels(found, Path(path), name)
 
 
-def _model(found: Any, labels: dict[str, list[str]], gaits: Any, axes: EffectAxes | None, name: str) -> ImportedModel:
+def _model(found: Any, labels: dict[str, list[str]], gaits: Any, axes: EffectAxes | None, name: str) -> ForwardModel:
     repertoire = GaitRepertoire.of(labels["Gait"] if gaits is None else gaits)
     grid = axes if axes is not None else _axes(labels, name)
     order = {"Gait": _positions(labels["Gait"], repertoire.names, "Gait", name)}
@@ -133,7 +84,7 @@ def _model(found: Any, labels: dict[str, list[str]], gaits: Any, axes: EffectAxe
         order[PREVIOUS] = _positions(labels[PREVIOUS], repertoire.names, PREVIOUS, name)
     variables = (*structure.causes, *EFFECTS)
     given = {variable: _table(found, variable, structure, order, name) for variable in variables}
-    return ImportedModel.of(repertoire, grid, structure, given)
+    return ForwardModel.of_tables(repertoire, grid, structure, given)
 
 
 def _read(path: Path, name: str) -> Any:

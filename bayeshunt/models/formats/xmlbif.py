@@ -9,24 +9,38 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 from xml.etree import ElementTree
 
 import numpy as np
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, write_text
-
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import Structure
 
 #: First letter of the states of each variable.
 LETTERS = {"PreviousGait": "p", "Gait": "g", "Distance": "d", "Angle": "a", "Heading": "h"}
 
 
-def safe_labels(model: ForwardModel) -> dict[str, dict[str, str]]:
+class Exported(Protocol):
+    """What an export is made of; a forward model has it."""
+
+    @property
+    def structure(self) -> Structure:
+        """The edges."""
+
+    @property
+    def states(self) -> Mapping[str, list[str]]:
+        """Names of the states of each variable, in table order."""
+
+    @property
+    def local_tables(self) -> Mapping[str, np.ndarray]:
+        """P(variable | parents) [K, ...parents] of each variable."""
+
+
+def safe_labels(model: Exported) -> dict[str, dict[str, str]]:
     """Return, per variable, safe state name -> the model's own label, both in table order."""
     return {
         variable: {f"{LETTERS[variable]}{i:0{len(str(len(labels) - 1))}d}": label for i, label in enumerate(labels)}
@@ -39,7 +53,7 @@ def labels_path(path: str | os.PathLike[str]) -> Path:
     return Path(check_path(path, "the name of a file", InputError) + ".labels.json")
 
 
-def write(model: ForwardModel, path: str | os.PathLike[str]) -> None:
+def write(model: Exported, path: str | os.PathLike[str]) -> None:
     """Write the network at ``path`` and its label map at ``<path>.labels.json``, each atomically.
 
     Probabilities are written in full precision. A column whose parents were never seen together, so
