@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import sys
@@ -96,17 +97,32 @@ def _check_writable(path: Path, folder: Path) -> None:
         raise InputError(f"{path}: cannot write in {folder} ({error.strerror or error})") from None
 
 
+_PLAINLY = "bayeshunt-plainly"
+#: What units and numbers are written with where an encoding lacks them; anything else is a "?".
+_PLAIN = {"°": " deg", "−": "-", "²": "2", "±": "+-"}
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    """An error handler of an encoding: the characters that it lacks, in those that it has."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
+
+
+codecs.register_error(_PLAINLY, _plainly)
+
+
 class Output:
     """Standard output that remembers why it failed: an OSError of its own is told from one of the work.
 
-    Characters that its encoding lacks come out as "?", rather than end the command.
+    Characters that its encoding lacks come out in plain words or as "?", rather than end the command.
     """
 
     def __init__(self, stream: Any) -> None:
         self.stream = stream
         self.failure: OSError | None = None
         if getattr(stream, "errors", None) == "strict" and hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors=_PLAINLY)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
