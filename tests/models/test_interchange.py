@@ -126,7 +126,7 @@ def test_without_a_label_map_the_bins_must_be_given(pair, tmp_path: Path) -> Non
     alone = tmp_path / "alone.xml"
     shutil.copy(path, alone)
     with pytest.raises(
-        bh.InputError, match=r"alone\.xml: the states of Distance \('d00', \.\.\.\).*labels\.json.*axes="
+        bh.InputError, match=r"alone\.xml: the states of Distance \('mm0_17p1', \.\.\.\).*labels\.json.*axes="
     ):
         bh.import_network(alone)
     imported = bh.import_network(alone, gaits=model.gaits, axes=model.axes)
