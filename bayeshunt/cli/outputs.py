@@ -14,7 +14,7 @@ from typing import Any
 import typer
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.files.atomic import check_target
+from bayeshunt.files.atomic import check_path, check_target
 
 #: What an ending says of a file: those of files that are written here, and others that people may ask for.
 _KINDS = {
@@ -82,6 +82,7 @@ def _check_ending(path: Path, what: str, ending: str) -> None:
 
 def _checked_folder(context: typer.Context, path: Path | None) -> Path | None:
     if path is not None and not context.resilient_parsing:
+        check_path(path, "the name of a folder to write into", InputError)
         nearest = next(folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder))
         if not nearest.is_dir():
             raise InputError(f"{path}: cannot be used as an output folder ({nearest} is not a folder)")

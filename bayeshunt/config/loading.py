@@ -108,7 +108,7 @@ def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], st
     else:
         place, source = Path(text), text
     try:
-        return tomllib.loads(place.read_text(encoding="utf-8")), source
+        return tomllib.loads(place.read_text(encoding="utf-8-sig")), source
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{source}: not valid TOML: {error}") from None
     except UnicodeDecodeError:
