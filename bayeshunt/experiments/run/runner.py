@@ -14,7 +14,7 @@ from typing import Any, Never
 
 import pandas as pd
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
@@ -40,7 +40,7 @@ Say = Callable[[str], None]
 
 
 def evaluate(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
     runs: int | None = None,
     seed: int = 0,

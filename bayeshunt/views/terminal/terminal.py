@@ -48,6 +48,11 @@ def say(line: str) -> None:
         messages.print(line, soft_wrap=True, markup=False)
 
 
+def remark(line: str) -> None:
+    """Print one line under a result."""
+    out.print(line, style="dim", soft_wrap=True)
+
+
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     """Print the table of an evaluation: the totals, the paper's figures beside ours."""
     # per bearing the paper printed nothing that could stand beside ours
