@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from bayeshunt.core.geometry import Polar, Pose, wrap
     from bayeshunt.data.babbling_table import load as load_dataset
     from bayeshunt.data.babbling_table import save as save_dataset
+    from bayeshunt.data.readers.registry import register_reader
+    from bayeshunt.data.track_report import track_report
+    from bayeshunt.data.tracks import read_tracks, tracks
+    from bayeshunt.data.transitions import transitions
     from bayeshunt.episodes.episode import Episode
     from bayeshunt.episodes.loop import hunt
     from bayeshunt.experiments.preparation import learn_room
@@ -64,6 +68,10 @@ _HOMES = {
     **{name: ("bayeshunt.config.schema", name) for name in ("ExperimentSettings", "RobotSettings")},
     "load_dataset": ("bayeshunt.data.babbling_table", "load"),
     "save_dataset": ("bayeshunt.data.babbling_table", "save"),
+    **{name: ("bayeshunt.data.tracks", name) for name in ("read_tracks", "tracks")},
+    "register_reader": ("bayeshunt.data.readers.registry", "register_reader"),
+    "track_report": ("bayeshunt.data.track_report", "track_report"),
+    "transitions": ("bayeshunt.data.transitions", "transitions"),
     "Episode": ("bayeshunt.episodes.episode", "Episode"),
     **{
         name: ("bayeshunt.core.errors", name)

@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 import typer
 
 from bayeshunt.cli import learning  # noqa: F401  isort: skip
+from bayeshunt.cli import ingest  # noqa: F401  isort: skip
 from bayeshunt.cli import assess  # noqa: F401  isort: skip
 from bayeshunt.cli import hunts  # noqa: F401  isort: skip
 from bayeshunt.cli import experiments  # noqa: F401  isort: skip

@@ -1,0 +1,121 @@
+"""Tables of tracks: tidy CSV of any separator, Parquet, and rows of frame, id, x, y without a header."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.data.readers.registry import Found
+from bayeshunt.data.text_tables import as_numbers, read_text_table, same_name
+from bayeshunt.files import parquet
+
+__all__ = ["ParquetReader", "TextReader", "guess_columns"]
+
+#: What a column may be called, without case and punctuation; the first that a table has is taken.
+_NAMES: dict[str, tuple[str, ...]] = {
+    "x": ("x", "posx", "xpos", "positionx", "xm", "xcm", "xmm", "xpx", "xpixel", "centroidx", "xcoord", "px", "xworld"),
+    "y": ("y", "posy", "ypos", "positiony", "ym", "ycm", "ymm", "ypx", "ypixel", "centroidy", "ycoord", "py", "yworld"),
+    "id": ("id", "trackid", "track", "individual", "individualid", "agent", "agentid", "animal", "animalid", "ped",
+           "pedid", "pedestrian", "pedestrianid", "person", "personid", "objectid", "object", "identity", "name"),
+    "time": ("time", "t", "times", "timestamp", "timesec", "seconds", "sec", "secs", "elapsed"),
+    "frame": ("frame", "frameid", "frameno", "framenumber", "framenum", "frames", "framenr", "step", "index"),
+    "heading": ("heading", "theta", "yaw", "angle", "orientation", "bodyangle", "dir", "direction", "headingrad"),
+    "confidence": ("confidence", "likelihood", "score", "probability", "prob", "certainty"),
+}  # fmt: skip
+_EXPECTED = "a file of tracks"
+
+
+class TextReader:
+    """CSV, TSV or blanks: columns by name, or frame, id, x, y where there is no header."""
+
+    name = "text"
+
+    def accepts(self, path: Path, head: bytes) -> bool:
+        """Return whether the file looks like text."""
+        return b"\0" not in head or head[:2] in (b"\xff\xfe", b"\xfe\xff")
+
+    def read(self, path: Path, *, columns: Mapping[str, str], keypoint: str | None) -> Found:
+        """Read the file; see :class:`bayeshunt.data.readers.registry.TrackReader`."""
+        return _tidy(read_text_table(path, _EXPECTED), str(path), columns, keypoint)
+
+
+class ParquetReader:
+    """Parquet of any program, columns by name."""
+
+    name = "parquet"
+
+    def accepts(self, path: Path, head: bytes) -> bool:
+        """Return whether the file begins as Parquet does."""
+        return head.startswith(b"PAR1")
+
+    def read(self, path: Path, *, columns: Mapping[str, str], keypoint: str | None) -> Found:
+        """Read the file; see :class:`bayeshunt.data.readers.registry.TrackReader`."""
+        table, _ = parquet.read(path, what="a table of tracks", mend="give a file of tracks")
+        return _tidy(table.to_pandas(), str(path), columns, keypoint)
+
+
+def guess_columns(names: list[str], given: Mapping[str, str], source: str) -> dict[str, str]:
+    """Return the column of each meaning that can be named: those given, and those whose names say it.
+
+    Raises DataError if x or y cannot be found, or a given one is not there.
+    """
+    for meaning, name in given.items():
+        if meaning not in _NAMES:
+            raise InputError(f"columns: unknown meaning {meaning!r}; expected one of {', '.join(_NAMES)}")
+        if name not in names:
+            raise DataError(f"{source}: column {name!r} is missing; the table has {', '.join(map(str, names))}")
+    plain = {same_name(name): name for name in reversed(names)}
+    found = {meaning: given[meaning] for meaning in _NAMES if meaning in given}
+    for meaning, known in _NAMES.items():
+        hit = next((plain[name] for name in known if name in plain and plain[name] not in found.values()), None)
+        if meaning not in found and hit is not None:
+            found[meaning] = hit
+    _by_ending(names, found)
+    for meaning in ("x", "y"):
+        if meaning not in found:
+            raise DataError(
+                f"{source}: no column {meaning!r} found among {', '.join(map(str, names))}; "
+                f'name it: columns={{"{meaning}": ...}}, on the command line --columns {meaning}=NAME'
+            )
+    return found
+
+
+def _by_ending(names: list[str], found: dict[str, str]) -> None:
+    """Where nothing is called x or y, the only pair that ends so: "pt1_cam1_X", "pt1_cam1_Y"."""
+    if "x" in found or "y" in found:
+        return
+    for name in names:
+        twin = next((n for n in names if n.lower() == name.lower()[:-1] + "y"), None)
+        if name.lower().endswith("x") and twin is not None:
+            found.update(x=name, y=twin)
+            return
+
+
+def _tidy(table: pd.DataFrame, source: str, columns: Mapping[str, str], keypoint: str | None) -> Found:
+    if keypoint is not None:
+        raise InputError(f"{source}: a table has no keypoints; name the columns of the point: columns={{...}}")
+    names = list(map(str, table.columns))
+    table.columns = pd.Index(names)
+    if names == [str(i) for i in range(len(names))] and not columns:
+        if len(names) != 4:
+            raise DataError(f"{source}: {len(names)} columns without names; expected frame, id, x, y, or a header")
+        found = {"frame": "0", "id": "1", "x": "2", "y": "3"}
+        said = "no header: the columns are taken as frame, id, x, y"
+    else:
+        found = guess_columns(names, columns, source)
+        said = "columns: " + ", ".join(f"{meaning} = {name}" for meaning, name in found.items())
+    frame = pd.DataFrame({m: as_numbers(table[name]) for m, name in found.items() if m != "id"})
+    frame["id"] = table[found["id"]].to_numpy() if "id" in found else "0"
+    claims = {"rate": _rate(frame)} if "time" in frame else {}
+    return Found(frame, {k: v for k, v in claims.items() if v}, (said,))
+
+
+def _rate(frame: pd.DataFrame) -> float | None:
+    """The rate [1/s] that the time column speaks of, if its unit is seconds."""
+    gaps = frame.groupby("id", sort=False)["time"].diff().to_numpy()
+    gaps = gaps[np.isfinite(gaps) & (gaps > 0)]
+    return float(1.0 / np.median(gaps)) if gaps.size else None
