@@ -85,7 +85,8 @@ def draw_explorer(browser: Browser, model: bh.ForwardModel, folder: Path) -> Non
     (folder / "explorer.html").write_text(
         f"<!doctype html><meta charset='utf-8'><style>{asset('explorer.css')}</style><div id='place'></div>"
         f"<script type='application/json' id='values'>{embed(json.loads(json.dumps(values)))}</script>"
-        f"<script type='text/plain' id='widget'>{asset('explorer.js')}</script><script>{_STAND_IN}</script>",
+        f"<script type='text/plain' id='widget'>{asset('units.js')}{asset('explorer.js')}</script>"
+        f"<script>{_STAND_IN}</script>",
         encoding="utf-8",
     )
     page.goto((folder / "explorer.html").as_uri())

@@ -25,6 +25,7 @@ from bayeshunt.cli.options import (
     check_names,
     count_hunts,
     read_experiment,
+    say_chosen,
 )
 from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
@@ -33,7 +34,7 @@ from bayeshunt.cli.stopping import stoppable
 @app.command(short_help="Run the paper's experiment: its table beside ours.")
 def evaluate(
     model: Model = None,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     planner: Planners = None,
@@ -63,7 +64,7 @@ def evaluate(
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 
-    settings = runner.experiment_settings(read_experiment(preset, config, overrides), runs)
+    settings = runner.experiment_settings(read_experiment(preset, config, overrides, model), runs)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)
     forward = None if model is None else open_model(model, settings.robot.gaits)
@@ -78,6 +79,7 @@ def evaluate(
         typer.echo(json.dumps(facts))
         return
     terminal.success_table(facts, per_theta=per_theta)
+    say_chosen(settings, preset, config, model)
     if out is not None:
         page = f"bayeshunt report {shlex.quote(str(out))} --out report.html"
         terminal.say(f"every hunt and the summary are in {out}; next: {page}")

@@ -19,6 +19,7 @@ from bayeshunt.cli.options import (
     count_hunts,
     load_or_learn,
     read_experiment,
+    say_chosen,
     settings_of,
     tell,
 )
@@ -34,7 +35,7 @@ def figures(
         Path | None,
         typer.Option(help="Results folder of evaluate --out, with its own settings; by default the hunts are run now."),
     ] = None,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     runs: Annotated[int | None, typer.Option(help="Runs per bearing when hunts are run now.")] = None,
@@ -57,7 +58,7 @@ def figures(
         raise InputError("--set changes hunts that are run now; --results brings its own settings: leave one out")
     hunts = None if results is None else export.load_results(results)
     settings = (
-        runner.experiment_settings(read_experiment(preset, config, overrides), runs)
+        runner.experiment_settings(read_experiment(preset, config, overrides, model), runs)
         if hunts is None
         else settings_of(hunts, results)
     )
@@ -70,7 +71,9 @@ def figures(
     planned, learned = _hunts(settings, forward, seed)
     written = drawing.save_all(drawing.paper_figures(forward, planned, learned, hunts, settings), folder)
     names = [path.name for path in written]
-    tell({"out": str(out), "files": names}, as_json, _listed(out, names))
+    tell({"out": str(out), "experiment": settings.name, "files": names}, as_json, _listed(out, names))
+    if results is None and not as_json:
+        say_chosen(settings, preset, config, model)
 
 
 def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:

@@ -22,6 +22,7 @@ from bayeshunt.cli.options import (
     complete_planner,
     load_or_learn,
     read_experiment,
+    say_chosen,
 )
 from bayeshunt.cli.outputs import out_file
 
@@ -35,7 +36,7 @@ def hunt(
     theta: Annotated[float, typer.Option(help="First bearing of the prey [rad, clockwise].")] = 1.0,
     seed: Seed = 0,
     model: Model = None,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     babbling_seed: Annotated[int, typer.Option(help="Seed of any babbling that comes first.")] = 0,
@@ -54,7 +55,7 @@ def hunt(
     from bayeshunt.views.terminal import terminal
 
     check_radians(theta, "--theta")  # before anything is babbled
-    settings = read_experiment(preset, config, overrides)
+    settings = read_experiment(preset, config, overrides, model)
     check_names(settings, [planner], [arena])
     forward = load_or_learn(model, settings, babbling_seed, quiet=as_json)
     with terminal.progress_bar("hunting", None, quiet=as_json):  # nobody knows how long it takes
@@ -68,6 +69,7 @@ def hunt(
         _write_replay(episode, replay, forward, model, babbling_seed)
     if as_json:
         facts = {
+            "experiment": settings.name,
             "caught": episode.caught,
             "time": episode.time,
             "decisions": len(episode.frame),
@@ -77,6 +79,7 @@ def hunt(
         typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
         return
     terminal.episode_table(episode)
+    say_chosen(settings, preset, config, model)
     if out is not None:
         page = shlex.quote(str(out.with_suffix(".html")))
         following = f"bayeshunt replay {shlex.quote(str(out))} --out {page}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,7 +30,10 @@ def complete_robot(incomplete: str) -> list[str]:
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of text.")]
 Seed = Annotated[int, typer.Option(help="One seed, one result, bit for bit.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
-Preset = Annotated[str, typer.Option(help="Experiment settings that ship, by name.")]
+Preset = Annotated[
+    str | None,
+    typer.Option(help="Experiment settings that ship, by name (default: oses2010; with --model: those of its robot)."),
+]
 Config = Annotated[
     Path | None,
     typer.Option(help='Your own experiment settings: a TOML file (may start with base = "paper").'),
@@ -54,11 +58,45 @@ def tell(facts: dict[str, Any], as_json: bool, text: str) -> None:
     typer.echo(json.dumps(facts) if as_json else text)
 
 
-def read_experiment(preset: str, config: Path | None, overrides: list[str] | None) -> Any:
-    """Return the experiment that ``--preset``, ``--config`` and ``--set`` ask for."""
-    from bayeshunt.config.loading import load_experiment
+def read_experiment(
+    preset: str | None, config: Path | None, overrides: list[str] | None, model: Path | None = None
+) -> Any:
+    """Return the experiment that ``--preset``, ``--config`` and ``--set`` ask for.
 
-    return load_experiment(config or preset, parse_overrides(overrides))
+    model: a model whose robot decides where neither preset nor settings are named; :func:`say_chosen` says so.
+    """
+    from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
+
+    changes = parse_overrides(overrides)
+    if model is not None and not (preset or config):
+        return _experiment_of(model, changes)
+    return load_experiment(config or preset or DEFAULT_PRESET, changes)
+
+
+def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
+    """The shipped experiment, ``changes`` made, whose robot a model is of; the default before the others."""
+    from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, preset_names
+    from bayeshunt.experiments.run.runner import check_model
+    from bayeshunt.models.formats.interchange import open_model
+
+    for name in sorted(preset_names(), key=lambda name: name != DEFAULT_PRESET):
+        settings = load_experiment(name, changes)
+        forward = open_model(path, settings.robot.gaits)
+        with contextlib.suppress(InputError):
+            check_model(forward, settings)
+            return settings
+    raise InputError(
+        f"{path}: no preset has the robot that this model is of (gaits {', '.join(forward.gaits.names)}); "
+        "say the experiment with --preset or --config"
+    )
+
+
+def say_chosen(settings: Any, preset: str | None, config: Path | None, model: Path | None) -> None:
+    """Print, under a result, which preset a model's robot has decided on, if it has."""
+    from bayeshunt.views.terminal import terminal
+
+    if model is not None and not (preset or config):
+        terminal.remark(f"Preset {settings.name!r}, because {model} is a model of its robot, {settings.robot.name!r}.")
 
 
 def count_hunts(settings: Any, planners: Sequence[str], arenas: Sequence[str] | None) -> int:

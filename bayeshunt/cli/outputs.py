@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import sys
@@ -13,7 +14,7 @@ from typing import Any
 import typer
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.files.atomic import check_target
+from bayeshunt.files.atomic import check_path, check_target
 
 #: What an ending says of a file: those of files that are written here, and others that people may ask for.
 _KINDS = {
@@ -81,6 +82,7 @@ def _check_ending(path: Path, what: str, ending: str) -> None:
 
 def _checked_folder(context: typer.Context, path: Path | None) -> Path | None:
     if path is not None and not context.resilient_parsing:
+        check_path(path, "the name of a folder to write into", InputError)
         nearest = next(folder for folder in (path, *path.absolute().parents) if os.path.lexists(folder))
         if not nearest.is_dir():
             raise InputError(f"{path}: cannot be used as an output folder ({nearest} is not a folder)")
@@ -96,17 +98,32 @@ def _check_writable(path: Path, folder: Path) -> None:
         raise InputError(f"{path}: cannot write in {folder} ({error.strerror or error})") from None
 
 
+_PLAINLY = "bayeshunt-plainly"
+#: What units and numbers are written with where an encoding lacks them; anything else is a "?".
+_PLAIN = {"°": " deg", "−": "-", "²": "2", "±": "+-"}
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    """An error handler of an encoding: the characters that it lacks, in those that it has."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
+
+
+codecs.register_error(_PLAINLY, _plainly)
+
+
 class Output:
     """Standard output that remembers why it failed: an OSError of its own is told from one of the work.
 
-    Characters that its encoding lacks come out as "?", rather than end the command.
+    Characters that its encoding lacks come out in plain words or as "?", rather than end the command.
     """
 
     def __init__(self, stream: Any) -> None:
         self.stream = stream
         self.failure: OSError | None = None
         if getattr(stream, "errors", None) == "strict" and hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors=_PLAINLY)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)

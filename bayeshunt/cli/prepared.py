@@ -28,7 +28,7 @@ from bayeshunt.cli.outputs import out_file, out_folder
 @app.command(short_help="Compute the best the gaits allow, for planner reference.")
 def reference(
     out: Annotated[Path, out_file("Table (.npz) to write.", "such tables", ".npz")],
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     seed: Seed = 0,
@@ -61,7 +61,7 @@ def reference(
 @app.command(short_help="Watch prey beforehand, for planners that remember.")
 def remember(
     out: Annotated[Path, out_file("Memory (JSON) to write.", "memories", ".json")],
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     arena: Arenas = None,
@@ -99,7 +99,7 @@ def explore(
     out: Annotated[Path, out_file("Room (JSON) to write.", "rooms", ".json")],
     arena: Annotated[str, typer.Option(help="Arena to babble in.")] = "walled",
     steps: Annotated[int, typer.Option(help="Gaits babbled there.")] = 1000,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     seed: Seed = 0,

@@ -40,7 +40,7 @@ def sweep(
                      "May be given several times."),
     ] = None,
     grid: Annotated[Path | None, typer.Option(help="Your own grid: a TOML file with NAME = [VALUES].")] = None,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     planner: Planners = None,
@@ -100,7 +100,7 @@ def tradeoff(
         list[str] | None,
         typer.Option(help="Weight to vary: distance, transitions or planning; NAME, or NAME=VALUE,VALUE,..."),
     ] = None,
-    preset: Preset = "paper",
+    preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
     planner: Annotated[
@@ -199,7 +199,7 @@ def _read(path: Path) -> dict[str, Any]:
     import tomllib
 
     try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
+        values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror or error})") from None
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -21,9 +21,12 @@ from bayeshunt.files.parquet import PROVENANCE_KEY
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["describe", "load_experiment", "load_robot", "parse", "preset_names", "recorded_robot"]
+__all__ = ["DEFAULT_PRESET", "describe", "load_experiment", "load_robot", "parse", "preset_names", "recorded_robot"]
 
 Kind = TypeVar("Kind", bound=BaseModel)
+
+#: The experiment that runs where none is named: the one that comes out as the paper reports it.
+DEFAULT_PRESET = "oses2010"
 
 _PRESETS = resources.files("bayeshunt") / "config" / "presets"
 
@@ -42,7 +45,7 @@ def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
 def load_experiment(
     experiment: str | os.PathLike[str] | ExperimentSettings, overrides: dict[str, Any] | None = None
 ) -> ExperimentSettings:
-    """Return an experiment given by preset name ("paper"), by TOML path, or as settings.
+    """Return an experiment given by preset name ("oses2010", "paper"), by TOML path, or as settings.
 
     overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``.
     A file may start from another with ``base = "paper"`` and change only some keys.
@@ -108,7 +111,7 @@ def _read(name: str | os.PathLike[str], folder: str) -> tuple[dict[str, Any], st
     else:
         place, source = Path(text), text
     try:
-        return tomllib.loads(place.read_text(encoding="utf-8")), source
+        return tomllib.loads(place.read_text(encoding="utf-8-sig")), source
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{source}: not valid TOML: {error}") from None
     except UnicodeDecodeError:

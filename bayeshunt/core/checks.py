@@ -16,12 +16,15 @@ from bayeshunt.core.errors import InputError, shown
 
 __all__ = [
     "FULL_TURN",
+    "LEAST_PSEUDO_COUNT",
+    "MOST_PSEUDO_COUNT",
     "beyond_a_turn",
     "check_generator",
     "check_kind",
     "check_number",
     "check_numbers",
     "check_positive",
+    "check_pseudo_count",
     "check_radians",
     "check_whole",
 ]
@@ -51,6 +54,24 @@ def check_positive(value: Any, name: str, unit: str) -> float:
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < math.inf:
         raise InputError(f"{name} must be positive {unit}, got {shown(value)}")
     return float(value)
+
+
+#: Pseudo-counts beyond these would overflow, or multiply to 0, in the tables' arithmetic.
+LEAST_PSEUDO_COUNT, MOST_PSEUDO_COUNT = 1e-50, 1e9
+
+
+def check_pseudo_count(value: Any, name: str) -> float:
+    """Return a Dirichlet pseudo-count as a float; InputError unless it is 0, or from 1e-50 to 1e9."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InputError(f"{name} is {shown(value)}; expected a pseudo-count >= 0")
+    number = float(value)
+    if not (math.isfinite(number) and number >= 0):
+        raise InputError(f"{name} is {value}; expected a finite pseudo-count >= 0")
+    if number and not LEAST_PSEUDO_COUNT <= number <= MOST_PSEUDO_COUNT:
+        raise InputError(
+            f"{name} is {number:g}; expected 0, or a pseudo-count from {LEAST_PSEUDO_COUNT:g} to {MOST_PSEUDO_COUNT:g}"
+        )
+    return number
 
 
 #: One full turn [rad], rounded up: a number beyond it is likelier one of degrees than a direction.

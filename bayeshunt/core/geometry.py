@@ -18,7 +18,7 @@ from typing_extensions import TypeVar
 
 from bayeshunt.core.errors import InputError, shown
 
-__all__ = ["FloatArray", "FloatLike", "Polar", "Pose", "wrap"]
+__all__ = ["FloatArray", "FloatLike", "Polar", "Pose", "in_frame", "wrap"]
 
 FloatArray = NDArray[np.float64]
 #: A float or an array of floats; every function here broadcasts.
@@ -183,6 +183,18 @@ class Pose(NamedTuple, Generic[Part]):
             )
         except (AttributeError, TypeError):
             raise _mistaken("seen", Polar, seen) from None
+
+
+def in_frame(pose: Pose, frame: Pose) -> Pose:
+    """Return ``pose`` in the frame whose origin is ``frame``: what odometry says after a start from there.
+
+    Both are given in one common frame. A frame at (0, 0, 0) leaves every bit as it is.
+    """
+    if frame == (0.0, 0.0, 0.0):
+        return pose
+    dx, dy = pose.x - frame.x, pose.y - frame.y
+    cos, sin = math.cos(frame.theta), math.sin(frame.theta)
+    return Pose(cos * dx + sin * dy, cos * dy - sin * dx, wrap(pose.theta - frame.theta))
 
 
 def _mistaken(name: str, kind: type, value: object) -> InputError:

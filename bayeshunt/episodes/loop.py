@@ -19,7 +19,7 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_radians, check_whole
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.task import Task
 from bayeshunt.episodes.episode import Episode, Step
 from bayeshunt.models.target.prey import PreyModel
@@ -55,7 +55,7 @@ def hunt(
 ) -> Episode:
     """Run one hunt and return all of it.
 
-    experiment: preset name ("paper"), TOML path or settings. arena: one of its arenas.
+    experiment: preset name ("oses2010"), TOML path or settings. arena: one of its arenas.
     theta: bearing of the prey at the start, radians clockwise from the hunter's heading, -2 pi to 2 pi.
     seed: of the noise, the prey and the planner; any whole number >= 0.
     prey_model: what is known of the prey beforehand; by default nothing (it is copied, not changed).
@@ -120,6 +120,7 @@ class _Trial:
             catch_distance=settings.protocol.catch_distance * body_length,
         )  # fmt: skip
         self.task = Task(self.arena.catch_distance, settings.protocol.time_limit)
+        self.start = self.arena.hunter.pose
         self.transitions = self.decisions = 0
         self.distance = 0.0
 
@@ -145,7 +146,7 @@ class _Trial:
                 prey=moment.hunter.relative(moment.prey), prey_model=self.prey_model,
                 body_length=robot.body.diameter, time=moment.time, step=self.decisions,
                 previous_gait=previous_gait, time_step=robot.gait_duration,
-                transitions=transitions, pose=moment.hunter,
+                transitions=transitions, pose=in_frame(moment.hunter, self.start),
                 future=self._future(foresight) if foresight else None, task=self.task,
             )  # fmt: skip
             plan = planner.plan(situation, rng=self.rng)
@@ -187,13 +188,8 @@ class _Trial:
 
 
 def starting_poses(settings: ExperimentSettings, theta: float) -> tuple[Pose, Pose]:
-    """Return hunter and prey at the start: the hunter in the centre, the prey at bearing ``theta`` [rad, clockwise].
-
-    Both face along x (identical headings), as in section 4 of the paper.
-    """
-    hunter = Pose(0.0, 0.0, 0.0)
-    distance = settings.protocol.prey_distance * settings.robot.body.diameter
-    return hunter, hunter.compose(Polar(distance, theta, 0.0))
+    """Return hunter and prey at the start; see :meth:`ExperimentSettings.starting_poses`."""
+    return settings.starting_poses(theta)
 
 
 def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
@@ -207,8 +203,8 @@ def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
 
 
 def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: PreyModel | None) -> None:
-    settings.check_arena(arena)
     check_whole(seed, "seed", 0)
     check_radians(theta, "theta")
+    settings.check_arena(arena, theta)
     if prey_model is not None:
         check_kind(prey_model, "prey_model", PreyModel, "a PreyModel or None")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.experiments.protocol import learn_model
@@ -17,7 +17,7 @@ from bayeshunt.worlds.exploring import explore
 
 
 def learn_room(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
     arena: str = "walled",
     steps: int = 1000,
@@ -33,7 +33,10 @@ def learn_room(
     settings = load_experiment(experiment)
     if arena not in settings.arenas:
         raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
-    track = explore(settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics, progress=progress)
+    track = explore(
+        settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics,
+        start=settings.protocol.hunter_pose, progress=progress,
+    )  # fmt: skip
     return RoomModel.fit(track, learn_model(settings, seed, progress) if model is None else model)
 
 

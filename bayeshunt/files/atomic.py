@@ -61,9 +61,14 @@ def check_target(path: str | os.PathLike[str]) -> Path:
 
 
 def check_path(path: Any, expected: str, error: type[InputError]) -> str:
-    """Return the text of a path; raise ``error`` if it is none. ``expected`` says in words what would be."""
+    """Return the text of a path; raise ``error`` if it is none. ``expected`` says in words what would be.
+
+    A dash alone is none: to other programs it is standard input or output, and a file of that name is nobody's wish.
+    """
     if not isinstance(path, (str, os.PathLike)):  # a setting may hold anything, and a number is an open file
         raise error(f"expected {expected}; got {shown(path)}")
+    if os.fspath(path) == "-":
+        raise error(f"expected {expected}; got '-', which is not taken for standard input or output here")
     return os.fspath(path)
 
 

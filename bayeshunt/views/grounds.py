@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from bayeshunt.core.units import label, length
+
 if TYPE_CHECKING:
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.posterior import Posterior
@@ -45,9 +47,19 @@ def beyond(answer: Posterior) -> str:
         return ""
     went = "ever went" if answer.model.has_counts else "goes"
     return (
-        f"out of reach: no gait {went} farther than {1000 * answer.farthest:.4g} mm, so this is the gait towards it, "
-        "not one that gets there. Distances are metres, angles radians."
+        f"out of reach: no gait {went} farther than {length(answer.farthest)}, so this is the gait towards it, "
+        "not one that gets there. Is what was asked in SI units?"
     )
+
+
+def cell(answer: Posterior) -> str:
+    """Return the coordinate that answered, bin by bin: "Distance 0-5.7 mm, Angle 30°"."""
+    return ", ".join(f"{name} {label(bin_name)}" for name, bin_name in answer.cell.evidence.items())
+
+
+def known(model: ForwardModel) -> str:
+    """Return what else is known, to be put after other evidence: ", PreviousGait straight"; "" for nothing."""
+    return "".join(f", {variable} {state}" for variable, state in model.known.items())
 
 
 def coordinates(model: ForwardModel) -> str:

@@ -9,11 +9,13 @@ import pandas as pd
 
 from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.core.checks import check_whole
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import Pose, in_frame
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
 from bayeshunt.worlds.babbling import hold, interval_steps, provenance
 from bayeshunt.worlds.box2d.arena import build_walls, new_world
 from bayeshunt.worlds.box2d.bodies import build_drive
+
+_CENTRE = Pose(0.0, 0.0, 0.0)
 
 
 def explore(
@@ -23,16 +25,17 @@ def explore(
     seed: int,
     *,
     physics: PhysicsSettings | None = None,
+    start: Pose = _CENTRE,
     progress: Callable[[int], None] | None = None,
 ) -> pd.DataFrame:
-    """Return where random gaits took the robot, alone in ``arena``; it starts in the centre, facing along x.
+    """Return where random gaits took the robot, alone in ``arena``; it starts at ``start``.
 
     Columns: step, gait, interval (1..13, part-way through the step), x, y [m], theta [rad,
     counter-clockwise] in the frame of the start, as dead reckoning gives them. One row per interval.
 
-    steps: gaits executed, each equally often, in random order. progress: called with 1 after every step.
-    Raises InputError if ``steps`` or
-    ``seed`` is not a whole number in range.
+    steps: gaits executed, each equally often, in random order. start: in the arena's frame; by default the centre,
+    facing along x. progress: called with 1 after every step.
+    Raises InputError if ``steps`` or ``seed`` is not a whole number in range.
     """
     check_whole(steps, "steps", 1)
     check_whole(seed, "seed", 0)
@@ -43,13 +46,16 @@ def explore(
     if arena.walled:
         build_walls(world, arena.width / unit, arena.height / unit)
     drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
+    if start != _CENTRE:
+        drive.place(start)
+    start = drive.pose
     counts = interval_steps(physics.steps(robot.gait_duration))
     poses: list[Pose] = []
     for gait in order.tolist():
         poses.extend(hold(world, drive, physics, robot.gaits[gait].command, counts))
         if progress is not None:
             progress(1)
-    x, y, theta = np.array(poses).T
+    x, y, theta = np.array([in_frame(pose, start) for pose in poses]).T
     names = np.array(robot.gaits.names, dtype=object)[order]
     frame = pd.DataFrame(
         {

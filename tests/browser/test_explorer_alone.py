@@ -23,7 +23,7 @@ explorer.render({{model, el: document.getElementById("place")}});</script>"""
 def page(open_page, model, tmp_path):
     explorer = bh.Explorer(model, distance=0.1, angle=0.5)
     state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
-    script = asset("explorer.js").replace("export default", "const explorer =")
+    script = (asset("units.js") + asset("explorer.js")).replace("export default", "const explorer =")
     text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{asset('explorer.css')}</style>"
     (tmp_path / "page.html").write_text(text, encoding="utf-8")
     page, watch = open_page(tmp_path / "page.html", viewport={"width": 360, "height": 800})

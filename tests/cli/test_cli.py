@@ -35,11 +35,11 @@ def test_the_whole_way(bayeshunt, folder):
     out, _ = bayeshunt("query", "m.json", "--distance", "0.19", "--angle", "0")
     assert "P(evidence)" in out
     assert "babbling rows" in out
-    assert "asked                190 mm, 0 deg" in out
+    assert "asked                190 mm, 0°" in out
     assert "nearest" not in out
     assert "out of reach" not in out
     out, _ = bayeshunt("query", "m.json", "--distance", "16", "--angle", "0.5")
-    assert "asked                16 m, 28.6 deg" in out
+    assert "asked                16 m, 28.6°" in out
     assert "(nearest, 15.8 m away; " in out
     assert "out of reach: no gait ever went farther than" in " ".join(out.split())
     out, _ = bayeshunt("query", "m.json", "--distance", "16", "--angle", "0.5", "--heading", "-3", "--json")

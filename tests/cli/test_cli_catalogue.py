@@ -91,7 +91,7 @@ def test_robots_prey_and_presets(bayeshunt, folder):
     out, _ = bayeshunt("robots")
     assert "khepera" in out
     assert "Car-like robot" in out
-    assert [r["robot"] for r in json.loads(bayeshunt("robots", "--json")[0])] == ["car", "khepera"]
+    assert [r["robot"] for r in json.loads(bayeshunt("robots", "--json")[0])] == ["car", "khepera", "khepera_oses2010"]
     assert "tight right" in bayeshunt("robots", "khepera")[0]
     assert json.loads(bayeshunt("robots", "car", "--json")[0])["name"] == "car"
     (folder / "mine.toml").write_text(bayeshunt("robots", "car", "--toml")[0])
@@ -111,7 +111,7 @@ def test_robots_prey_and_presets(bayeshunt, folder):
     [
         ("bayeshunt hunt --planner intercept_", {"intercept_room", "intercept_walls"}),
         ("bayeshunt planners mem", {"memory", "memory_place", "memory_previous"}),
-        ("bayeshunt babble --robot kh", {"khepera"}),
+        ("bayeshunt babble --robot kh", {"khepera", "khepera_oses2010"}),
     ],
 )
 def test_names_complete_in_the_shell(line, found):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-SMALL = ["--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
+SMALL = ["--preset", "paper", "--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
 
 
 def test_explore_to_evaluation(bayeshunt):

@@ -119,7 +119,7 @@ def test_a_small_babbling_that_was_stopped_keeps_nothing(bayeshunt, monkeypatch)
 
 
 def test_one_hunt_with_changed_settings(bayeshunt):
-    small = SMALL[2:4]
+    small = ["--preset", "paper", *SMALL[2:4]]
     out, _ = bayeshunt("hunt", "--theta", "3", "--set", "protocol.time_limit=3.328", *small, "--json")
     assert json.loads(out)["decisions"] == 1
     out, _ = bayeshunt("hunt", "--theta", "3", *small, "--json")

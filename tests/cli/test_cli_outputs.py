@@ -143,6 +143,11 @@ def test_a_network_may_stand_in_the_folder_that_export_makes(bayeshunt, folder, 
     assert (folder / "new" / "a.xmlbif").read_bytes() == (folder / "newer" / "a.xmlbif").read_bytes()
 
 
+@each_target
+def test_a_dash_is_no_name(refused, command, option):
+    assert "got '-', which is not taken for standard input or output here" in refused(command, option, "-")
+
+
 def test_an_ending_may_be_in_capitals(bayeshunt, folder, khepera_frame):
     from bayeshunt.data import babbling_table
 

@@ -196,3 +196,9 @@ def test_ranges_are_said_in_the_words_of_the_planners():
     assert ranges["robot.noise.slip"] == "number >= 0, < 1"
     assert ranges["robot.body.drive"] == "differential | car"
     assert ranges["planners"] == "list"
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "bom.toml"
+    path.write_bytes(b'\xef\xbb\xbfbase = "paper"\n[protocol]\nruns = 1\n')
+    assert load_experiment(path).protocol.runs == 1

@@ -18,7 +18,7 @@ from bayeshunt.models.assessment.assess import PRIOR
 from bayeshunt.models.assessment.independence import g_statistic, permuted
 from bayeshunt.models.assessment.rows import CodedRows
 from bayeshunt.models.assessment.scores import accuracy, brier, confusion, log_loss
-from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import JOINT, NAIVE, PREVIOUS_GAIT, Structure
 
 GAITS = ("go", "turn")
@@ -366,7 +366,7 @@ def test_nobody_knows_the_rows_of_an_imported_model(babbled: pd.DataFrame, tmp_p
 def test_rows_of_a_gait_that_a_model_never_chooses_are_impossible_to_it() -> None:
     learned = bh.ForwardModel.fit(SMALL, GAITS, 0.5, axes=AXES)
     given = {name: table.copy() for name, table in learned.local_tables.items()}
-    model = ImportedModel.of(learned.gaits, learned.axes, NAIVE, {**given, "Gait": np.array([1.0, 0.0])})
+    model = ForwardModel.of_tables(learned.gaits, learned.axes, NAIVE, {**given, "Gait": np.array([1.0, 0.0])})
     scores = bh.assess(SMALL, model=model, permutations=1, structures=[]).given
     assert scores["impossible"] == (SMALL["gait"] == "turn").sum()
     assert scores["log_loss"] == math.inf

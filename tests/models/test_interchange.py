@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import interchange, xmlbif
 
 gum = pytest.importorskip("pyagrum")
@@ -113,12 +113,12 @@ def test_names_that_only_partly_agree_are_not_taken_in_order(tmp_path: Path) -> 
 def test_the_tables_given_stay_the_callers(pair) -> None:
     model, _ = pair
     given = {name: table.copy() for name, table in model.local_tables.items()}
-    imported = ImportedModel.of(model.gaits, model.axes, model.structure, given)
+    imported = ForwardModel.of_tables(model.gaits, model.axes, model.structure, given)
     before = imported.probabilities("Gait").copy()
     assert all(table.flags.writeable for table in given.values())
     given["Gait"][:] = 7.0
     np.testing.assert_array_equal(imported.probabilities("Gait"), before)
-    assert not imported.given["Gait"].flags.writeable
+    assert not imported.local_tables["Gait"].flags.writeable
 
 
 def test_without_a_label_map_the_bins_must_be_given(pair, tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_without_a_label_map_the_bins_must_be_given(pair, tmp_path: Path) -> Non
     alone = tmp_path / "alone.xml"
     shutil.copy(path, alone)
     with pytest.raises(
-        bh.InputError, match=r"alone\.xml: the states of Distance \('d00', \.\.\.\).*labels\.json.*axes="
+        bh.InputError, match=r"alone\.xml: the states of Distance \('mm0_17p1', \.\.\.\).*labels\.json.*axes="
     ):
         bh.import_network(alone)
     imported = bh.import_network(alone, gaits=model.gaits, axes=model.axes)
@@ -311,5 +311,5 @@ def test_csv_of_an_import_has_no_counts(pair, tmp_path: Path) -> None:
 def test_gait_names_survive_csv(khepera_frame, tmp_path: Path) -> None:
     names = ['a,"b"', "two\nlines", "=1+1"]
     frame = khepera_frame.iloc[:60].assign(gait=[names[i % 3] for i in range(60)])
-    interchange.write_csv(bh.ForwardModel.fit(frame, names), tmp_path)
+    bh.ForwardModel.fit(frame, names).to_csv(tmp_path)
     assert pd.read_csv(tmp_path / "gait.csv")["gait"].tolist() == names

@@ -55,15 +55,15 @@ def test_an_answer_says_how_far_it_is_from_what_was_asked(three_cells: InverseMo
     assert own.gap == pytest.approx(0.02)
     far = three_cells.posterior(16, 0.0)
     assert (far.gap, far.farthest) == (pytest.approx(15.75), pytest.approx(0.3))
-    assert (far.asked, far.missed_by, far.beyond) == ("16 m, 0 deg", "15.8 m away", True)
-    assert ", for 16 m, 0 deg (15.8 m off); 1 rows>" in repr(far)
-    assert repr(own).endswith("Angle 0 deg; 1 rows>")
+    assert (far.asked, far.missed_by, far.beyond) == ("16 m, 0°", "15.8 m away", True)
+    assert ", for 16 m, 0° (15.8 m off); 1 rows>" in repr(far)
+    assert repr(own).endswith("Angle 0°; 1 rows>")
     near = three_cells.posterior(0.1, math.pi / 2)  # its own bin was never reached, though it is near enough
     assert (near.gap, near.beyond) == (pytest.approx(math.hypot(0.1, 0.05)), False)
     turned = three_cells.posterior(0.25, -0.0, math.radians(112))  # learned there: heading 0 alone
-    assert turned.asked == "250 mm, 0 deg, heading 112 deg"
-    assert turned.missed_by == "heading 112 deg off"  # and not "away": the place is the one asked for
-    assert ", for 250 mm, 0 deg, 112 deg (heading 112 deg off)" in repr(turned)
+    assert turned.asked == "250 mm, 0°, heading 112°"
+    assert turned.missed_by == "heading 112° off"  # and not "away": the place is the one asked for
+    assert ", for 250 mm, 0°, 112° (heading 112° off)" in repr(turned)
     assert turned.heading_gap == pytest.approx(math.radians(112))
     assert three_cells.posterior(0.299, 0.0).beyond is False
     assert three_cells.posterior(0.301, 0.0).beyond is True
@@ -192,7 +192,7 @@ def test_impossible_heading_snaps_to_the_nearest_possible() -> None:
 
 
 def test_impossible_evidence_is_typed(three_cells: InverseModel) -> None:
-    with pytest.raises(ImpossibleEvidenceError, match=r"Distance = 0\.25 m, Angle = -90 deg"):
+    with pytest.raises(ImpossibleEvidenceError, match=r"Distance = 0\.25 m, Angle = -90°"):
         three_cells.posterior(0.25, -math.pi / 2, snap=False)
     with pytest.raises(ImpossibleEvidenceError, match="Distance = 9 m"):
         three_cells.posterior(9.0, 0.0, snap=False)

@@ -83,7 +83,7 @@ def test_any_split_counts_alike(size: int) -> None:
     """The gait before stands in the row itself, so that no border between parts loses it."""
     frame = momentum(150, 2, starts=2)
     whole = fit(frame, 0.1)
-    parts = type(whole).empty(GAITS, 0.1, axes=AXES)
+    parts = bh.ForwardModel.empty(GAITS, 0.1, axes=AXES, structure="previous_gait")
     for start in reversed(range(0, len(frame), size)):
         parts = parts.update(frame[start : start + size])
     assert parts == whole

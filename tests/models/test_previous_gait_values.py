@@ -16,8 +16,8 @@ from bayeshunt.data import babbling_table
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.counting.previous import previous_codes
 from bayeshunt.models.counting.streaming import count_tables, open_tables
-from bayeshunt.models.formats import interchange, xmlbif
-from bayeshunt.models.formats.model_file import _checksum, dumps, loads
+from bayeshunt.models.formats import xmlbif
+from bayeshunt.models.formats.model_file import _checksum, dumps
 from bayeshunt.models.tables.structures import PREVIOUS_GAIT
 
 FRAME = momentum(300, 0)
@@ -42,7 +42,7 @@ def test_file_round_trip(tmp_path: Path) -> None:
 def test_paths_survive_the_file(khepera_frame: pd.DataFrame) -> None:
     gaits = bh.load_robot("khepera").gaits
     model = bh.ForwardModel.fit(khepera_frame, gaits, 0.1, structure="previous_gait")
-    back = loads(dumps(model))
+    back = bh.ForwardModel.loads(dumps(model))
     assert back == model
     assert np.array_equal(back.after("straight").mean_paths, model.after("straight").mean_paths)
     assert not np.array_equal(back.after("straight").mean_paths, model.mean_paths)
@@ -59,7 +59,7 @@ def test_only_this_structure_needs_the_new_format() -> None:
         if version == 1:
             del older["content"]["structure"]
         older["checksum"] = _checksum(older["content"])
-        assert loads(json.dumps(older)) == naive
+        assert bh.ForwardModel.loads(json.dumps(older)) == naive
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_malformed_files_are_refused(damage) -> None:
     damage(record["content"])
     record["checksum"] = _checksum(record["content"])
     with pytest.raises(bh.BayesHuntError, match="malformed content"):
-        loads(json.dumps(record))
+        bh.ForwardModel.loads(json.dumps(record))
 
 
 def test_models_travel_to_other_processes(worker) -> None:
@@ -180,7 +180,7 @@ def test_csv_has_every_table_with_its_counts(tmp_path: Path) -> None:
         shares = np.moveaxis(model.local_tables[effect], (2, 1, 0), (0, 1, 2))
         np.testing.assert_allclose(cells["probability"], shares.ravel(), rtol=0, atol=1e-15)
         assert cells["previous_gait"].unique().tolist() == list(GAITS)
-    assert len(interchange.cells(model, "Gait")) == len(GAITS)
+    assert len(model.cells("Gait")) == len(GAITS)
 
 
 # --- assessing -------------------------------------------------------------------------------------

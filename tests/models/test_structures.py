@@ -17,7 +17,7 @@ import bayeshunt as bh
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import CountedCells, conditional, mutual_information
-from bayeshunt.models.formats.model_file import dumps, loads
+from bayeshunt.models.formats.model_file import dumps
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.structures import JOINT, NAIVE, bic, find_structure, search_structure, tree_augmented
 
@@ -303,7 +303,7 @@ def test_files_from_before_structures_still_load() -> None:
     from bayeshunt.models.formats.model_file import _checksum
 
     record["checksum"] = _checksum(record["content"])
-    assert loads(json.dumps(record)) == model
+    assert bh.ForwardModel.loads(json.dumps(record)) == model
 
 
 def test_xmlbif_carries_the_structure(tmp_path: Path) -> None:

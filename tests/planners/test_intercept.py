@@ -12,7 +12,7 @@ from planner_cases import BODY, STEP, situations
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
-from bayeshunt.models.body.imported import ImportedModel
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel
 from bayeshunt.planners.api import Situation
@@ -50,7 +50,7 @@ def test_own_motion_reads_the_gaits(model):
 def test_drift_of_an_imported_network_is_that_of_its_bins(model):
     own = OwnMotion.of(model, 0.4).drift
     given = {"Gait": np.full(len(model.gaits), 1 / len(model.gaits)), **model.local_tables}
-    imported = ImportedModel.of(model.gaits, model.axes, model.structure, given)
+    imported = ForwardModel.of_tables(model.gaits, model.axes, model.structure, given)
     assert OwnMotion.of(imported, 0.4).drift == pytest.approx(own, rel=0.2)
 
 

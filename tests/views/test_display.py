@@ -10,7 +10,7 @@ import pytest
 from html_checks import NASTY, Reader
 
 import bayeshunt as bh
-from bayeshunt.core import displays
+from bayeshunt.core import displays, units
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.drawings import maps, network
 from bayeshunt.views.notebook import html as display_html
@@ -22,6 +22,11 @@ ALLOWED = {
     "div", "span", "style", "dl", "dt", "dd", "details", "summary", "label", "input", "table", "thead", "tbody", "tr",
     "th", "td", "svg", "g", "rect", "circle", "polyline", "polygon", "path", "text", "title",
 }  # fmt: skip
+
+
+def said(bin_name: str) -> str:
+    """A bin as pages write it: "−10°" for "-10 deg"."""
+    return units.true_minus(units.label(bin_name))
 
 
 def check(html: str) -> Reader:
@@ -41,6 +46,10 @@ def check(html: str) -> Reader:
 
 
 # --- everything ------------------------------------------------------------------------------------
+
+
+def test_html_is_a_plain_text_as_every_notebook_takes_it(thing) -> None:
+    assert type(thing._repr_html_()) is str  # marimo shows nothing for a subclass
 
 
 def test_html_is_valid_and_harmless(thing) -> None:
@@ -134,7 +143,7 @@ def test_every_cell_carries_its_count_and_interval(shown) -> None:
     assert len(cells) == table.probability.size
     for cell, (row, column) in zip(cells, np.ndindex(table.probability.shape), strict=True):
         told = HINT.fullmatch(cell["attributes"]["title"])
-        assert told["bin"] == f"Angle = {table.probability.index[row]}"
+        assert told["bin"] == f"Angle = {said(table.probability.index[row])}"
         assert told["gait"] == table.probability.columns[column]
         for name, frame in (("p", table.probability), ("low", table.low), ("high", table.high)):
             assert float(told[name]) == pytest.approx(frame.iloc[row, column], abs=5.1e-5)
@@ -184,8 +193,8 @@ def test_long_tables_show_the_likeliest_bins(khepera_frame, khepera_model) -> No
     assert f"{720 - tables.MOST_ROWS} bins are not shown" in page.text
     kept = [e["text"] for e in page.find("th") if e["attributes"]["scope"] == "row"]
     seen = table.count.index[table.count.to_numpy().any(axis=1)]
-    assert set(seen) <= set(kept)
-    assert kept == [label for label in table.count.index if label in set(kept)]
+    assert set(map(said, seen)) <= set(kept)
+    assert kept == [label for label in map(said, table.count.index) if label in set(kept)]
 
 
 def test_headers_stick_and_tables_scroll() -> None:
@@ -207,7 +216,7 @@ def test_network_shows_the_marginals(shown) -> None:
     for effect in ("Distance", "Angle", "Heading"):
         marginal = shown.model.probabilities(effect) @ prior
         for label, share in zip(shown.model.axes[effect].labels, marginal, strict=True):
-            assert (f"{effect} {label}: {share:.4g}" in titles) == (share > 0)
+            assert (f"{effect} {said(label)}: {share:.4g}" in titles) == (share > 0)
 
 
 def test_posterior_of_the_heading_is_that_of_the_engine(shown) -> None:
@@ -232,8 +241,8 @@ def test_edges_among_effects_are_drawn(shown) -> None:
 def test_answers_show_what_they_rest_on(shown) -> None:
     for answer in (shown.answer, shown.snapped):
         page = check(answer._repr_html_())
-        for part in (*answer.evidence.values(), f"{answer.support} babbling rows"):
-            assert part in page.text
+        for part in (*map(units.label, answer.evidence.values()), f"{answer.support} babbling rows"):
+            assert units.true_minus(part) in page.text
             assert part in str(answer)
         assert display_html.number(answer.evidence_probability, 4) in page.text
         assert f"{answer.evidence_probability:.6g}" in str(answer)
@@ -290,7 +299,7 @@ def test_a_target_out_of_reach_is_said(shown) -> None:
         far = inverse.posterior(16, -0.0)
         for text in (str(far), check(far._repr_html_()).text):
             assert words in text
-            assert "16 m, 0 deg" in text
+            assert "16 m, 0°" in text
             assert f"{far.gap:.1f} m away" in text
         own = inverse.posterior(*far.cell[2:4])
         assert "out of reach" not in str(own) + own._repr_html_()
@@ -324,7 +333,8 @@ def test_prey_table_lists_every_cell(shown) -> None:
     frame = shown.prey.cpt()
     assert len(rows) == len(frame)
     for labels, row in frame.iterrows():
-        want = f"{''.join(labels)}{row['probability']:.3f}{int(row['count'])}{row['low']:.3f} to {row['high']:.3f}"
+        numbers = f"{row['probability']:.3f}{int(row['count'])}{row['low']:.3f} to {row['high']:.3f}"
+        want = "".join(map(said, labels)) + numbers
         assert want in rows
     assert "Nothing observed" in shown.no_prey._repr_html_()
 

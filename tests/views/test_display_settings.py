@@ -20,7 +20,7 @@ def things(khepera_model):
         (
             "experiment",
             "<ExperimentSettings 'paper': reactive, prediction, planning in walled, open, 7 bearings x 100 runs>",
-            "walled  1200 mm x 1200 mm",
+            "walled  1.2 m x 1.2 m",
         ),
         ("planner", "<planner proportional_navigation: navigation_constant 4.0>", "navigation_constant    4.0"),
     ],
@@ -33,6 +33,7 @@ def test_in_a_line_as_text_and_in_a_notebook(things, name, line, says):
     assert max(map(len, text.splitlines())) <= 110
     assert "object at" not in text
     page = thing._repr_html_()
+    assert type(page) is str
     assert page.startswith("<style>")
     assert all(word in page for word in says.split())
 

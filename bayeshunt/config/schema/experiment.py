@@ -13,6 +13,7 @@ from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
 from bayeshunt.config.schema.robot import RobotSettings
 from bayeshunt.core.errors import ConfigError, did_you_mean
+from bayeshunt.core.geometry import Polar, Pose
 
 __all__ = ["ExperimentSettings"]
 
@@ -48,14 +49,33 @@ class ExperimentSettings(ShownSettings):
         hunts = f"{len(self.protocol.thetas)} bearings x {self.protocol.runs} runs"
         return f"<ExperimentSettings {self.name!r}: {', '.join(self.planners)} in {', '.join(self.arenas)}, {hunts}>"
 
-    def check_arena(self, name: str) -> None:
-        """Raise ConfigError unless there is an arena ``name`` in which the prey does not start in a wall."""
+    def starting_poses(self, theta: float) -> tuple[Pose, Pose]:
+        """Return hunter and prey at the start, in the arena's frame: the prey at bearing ``theta`` [rad, clockwise].
+
+        Both face the same way (identical headings), as in section 4 of the paper.
+        """
+        hunter = self.protocol.hunter_pose
+        distance = self.protocol.prey_distance * self.robot.body.diameter
+        return hunter, hunter.compose(Polar(distance, theta, 0.0))
+
+    def check_arena(self, name: str, theta: float | None = None) -> None:
+        """Raise ConfigError unless there is an arena ``name`` in which neither robot starts in a wall.
+
+        theta: the prey's first bearing [rad, clockwise]; by default all those of the protocol.
+        """
         if not isinstance(name, str) or name not in self.arenas:
             raise ConfigError(f"unknown arena {name!r}{did_you_mean(name, self.arenas)}")
         arena = self.arenas[name]
-        reach = self.protocol.prey_distance * self.robot.body.diameter + 0.5 * self.prey.body.diameter
-        if arena.walled and reach > 0.5 * min(arena.width, arena.height):
-            raise ConfigError(
-                f"settings {self.name!r}: arenas.{name}.width and height: the prey would start in a wall; "
-                f"make both larger than {2 * reach:.3f} m"
-            )
+        if not arena.walled:
+            return
+        hunter, prey = 0.5 * self.robot.body.diameter, 0.5 * self.prey.body.diameter
+        for bearing in self.protocol.thetas if theta is None else (theta,):
+            at, seen = self.starting_poses(float(bearing))
+            for who, pose, radius in (("hunter", at, hunter), ("prey", seen, prey)):
+                width, height = 2 * (abs(pose.x) + radius), 2 * (abs(pose.y) + radius)
+                if width > arena.width or height > arena.height:
+                    raise ConfigError(
+                        f"settings {self.name!r}: arenas.{name}.width and height: the {who} would start in a wall "
+                        f"(theta {bearing:g}); make them at least {width:.3f} m and {height:.3f} m, or start "
+                        "elsewhere (protocol.hunter_x and hunter_y)"
+                    )

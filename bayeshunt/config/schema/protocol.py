@@ -8,6 +8,7 @@ from pydantic import Field, field_validator
 
 from bayeshunt.config.schema.groups import Finite, Positive, Settings
 from bayeshunt.core.checks import FULL_TURN, beyond_a_turn
+from bayeshunt.core.geometry import Pose
 from bayeshunt.core.task import CATCH_BODIES
 
 __all__ = ["PhysicsSettings", "ProtocolSettings"]
@@ -43,6 +44,21 @@ class ProtocolSettings(Settings):
     prey_distance: Positive = Field(5.0, description="first distance of the prey [body lengths]")
     time_limit: Positive = Field(60.0, description="a run without a catch ends here [s]")
     catch_distance: Positive = Field(CATCH_BODIES, description="centre distance that counts as a catch [body lengths]")
+    hunter_x: Finite = Field(0.0, description="where the hunter starts, from the arena's centre along x [m]")
+    hunter_y: Finite = Field(0.0, description="where the hunter starts, from the arena's centre along y [m]")
+    hunter_theta: Finite = Field(0.0, description="where it faces at the start, counter-clockwise from x [rad]")
+
+    @field_validator("hunter_theta")
+    @classmethod
+    def _heading_in_radians(cls, theta: float) -> float:
+        if abs(theta) > FULL_TURN:
+            raise ValueError(beyond_a_turn(theta))
+        return theta
+
+    @property
+    def hunter_pose(self) -> Pose:
+        """Where the hunter starts, in the arena's frame."""
+        return Pose(self.hunter_x, self.hunter_y, self.hunter_theta)
 
     @field_validator("thetas")
     @classmethod

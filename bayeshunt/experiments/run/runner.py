@@ -14,7 +14,7 @@ from typing import Any, Never
 
 import pandas as pd
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
@@ -40,7 +40,7 @@ Say = Callable[[str], None]
 
 
 def evaluate(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
     runs: int | None = None,
     seed: int = 0,
@@ -97,7 +97,7 @@ def evaluate(
             given = None if model is None else model_fingerprint(model)
             asked = Identity.of(settings, planners, arenas, seed, given)
             database = stack.enter_context(_open_or_create(folder, asked, model, settings))
-            model = model_files.loads(database.model, f"{database.path}: the model in it")
+            model = ForwardModel.loads(database.model, f"{database.path}: the model in it")
         elif model is None:
             model = learn_model(settings, seed)
             check_minds(planners, model, settings)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
@@ -29,7 +29,7 @@ def training_seed(seed: int, theta_index: int, run: int) -> int:
 
 
 def remember(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
     arenas: Sequence[str] | None = None,
     planner: str = "reactive",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings, GaitSettings, RobotSettings
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar
@@ -26,7 +26,7 @@ EXPECTED_SWEEPS = 110
 
 
 def reference(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
     seed: int = 0,
     samples: int = 16,

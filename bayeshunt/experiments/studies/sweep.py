@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.protocol import learn_model
@@ -36,7 +36,7 @@ Grid = Mapping[str, Sequence[Any]]
 
 
 def sweep(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     grid: Grid | None = None,
     *,
     runs: int | None = None,

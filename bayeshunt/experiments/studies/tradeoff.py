@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
@@ -32,7 +32,7 @@ VARIED: dict[str, tuple[float, ...]] = {
 
 
 def tradeoff(
-    experiment: str | os.PathLike[str] | ExperimentSettings = "paper",
+    experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     vary: Mapping[str, Sequence[float]] | None = None,
     *,
     runs: int | None = None,

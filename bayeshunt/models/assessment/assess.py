@@ -26,9 +26,6 @@ from bayeshunt.models.assessment.independence import independence
 from bayeshunt.models.assessment.rows import CodedRows
 from bayeshunt.models.assessment.structures import compare
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.body.previous import PreviousGaitModel
-from bayeshunt.models.counting.joint import JointCounts
-from bayeshunt.models.counting.previous import PreviousCounts, counts_for
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, STRUCTURES, Structure, depends_on_previous
 
 #: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.
@@ -167,9 +164,7 @@ def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[st
         "log_loss": log_loss,
         "impossible": int((~possible).sum()),
         "log_loss_of_possible": float(-np.log(probability[possible]).mean()) if possible.any() else math.nan,
-        "same_rows": _counted(model) == counts_for(model.structure).of(frame, model.gaits, model.axes)
-        if model.has_counts
-        else None,
+        "same_rows": model.source.counted == model.source.count(frame) if model.has_counts else None,
     }
 
 
@@ -188,10 +183,6 @@ def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
         joint = np.divide(joint, chosen, out=np.zeros_like(joint), where=chosen > 0)
         probability[mine] = joint[np.arange(len(joint)), gait]
     return probability
-
-
-def _counted(model: ForwardModel) -> JointCounts | PreviousCounts:
-    return model.by_previous if isinstance(model, PreviousGaitModel) else model.joint
 
 
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:

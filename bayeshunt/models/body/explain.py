@@ -8,33 +8,38 @@ it: ``log P(Distance | g)``, ``log P(Angle | Distance, g)``, ``log P(Heading | D
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import InputError
+from bayeshunt.models.body.forward import ForwardModel
 
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
-    from bayeshunt.models.body.posterior import Posterior
+__all__ = ["PARTS", "RIVAL", "explain", "log_terms"]
 
+#: Bin numbers of Distance, Angle and Heading; None for what was not asked.
+Bins = tuple[int, int, int | None]
 #: The reference that compares each gait with the best of the others.
 RIVAL = "rival"
 #: The parts of the sum, in the order of the columns.
 PARTS = ("prior", *EFFECTS)
 
 
-def explain(model: ForwardModel, answer: Posterior, reference: str = RIVAL) -> pd.DataFrame:
-    """Return the parts of each gait's log-odds, one row per gait; see ``Posterior.explain``."""
-    gaits, values = model.gaits.names, answer.values
+def explain(model: ForwardModel, bins: Bins, values: np.ndarray, reference: str = RIVAL) -> pd.DataFrame:
+    """Return the parts of each gait's log-odds, one row per gait; see ``Posterior.explain``.
+
+    bins: the evidence. values: P(Gait | evidence) [G] under the model.
+    """
+    gaits = model.gaits.names
     if len(gaits) < 2:
         raise InputError("there is only one gait, so there is nothing to compare it with")
-    terms = log_terms(model, answer)
+    terms = log_terms(model, bins)
     rivals = _rivals(values, terms) if reference == RIVAL else np.full(len(gaits), model.gaits.index(reference))
     if reference != RIVAL and not values[rivals[0]] > 0:
-        raise InputError(f"gait {reference!r} has probability 0 here; compare with {answer.best!r}, or with the rival")
+        raise InputError(
+            f"gait {reference!r} has probability 0 here; compare with "
+            f"{gaits[int(np.argmax(values))]!r}, or with the rival"
+        )
     parts = {name: _difference(logs, rivals) for name, logs in terms.items()}
     # Computed from the posterior itself, so that the sum of the parts can be checked against it.
     log_odds = _difference(_log(values), rivals)
@@ -43,25 +48,23 @@ def explain(model: ForwardModel, answer: Posterior, reference: str = RIVAL) -> p
     return pd.DataFrame(columns, index=index)
 
 
-def log_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray]:
+def log_terms(model: ForwardModel, bins: Bins) -> dict[str, np.ndarray]:
     """Return log P(g) and log P(v | g) [G] of each part, natural logarithm; 0 for what was not asked."""
     if not model.structure.is_naive:
-        return _chain_terms(model, answer)
-    cell, p = answer.cell, model.probabilities
-    bins = dict(zip(EFFECTS, (cell.distance_bin, cell.angle_bin, cell.heading_bin), strict=True))
+        return _chain_terms(model, bins)
+    p = model.probabilities
     terms = {"prior": _log(p("Gait"))}
-    for effect, row in bins.items():
+    for effect, row in zip(EFFECTS, bins, strict=True):
         terms[effect] = np.zeros(len(model.gaits)) if row is None else _log(p(effect)[row])
     return terms
 
 
-def _chain_terms(model: ForwardModel, answer: Posterior) -> dict[str, np.ndarray]:
+def _chain_terms(model: ForwardModel, bins: Bins) -> dict[str, np.ndarray]:
     """The terms of the chain rule: each is the growth of log P(g, evidence) by one more variable."""
-    cell, prior = answer.cell, model.probabilities("Gait")
-    known = [prior, prior * model.probabilities("Distance")[cell.distance_bin]]
-    known.append(model.evidence(cell.distance_bin, cell.angle_bin))
-    if cell.heading_bin is not None:
-        known.append(model.evidence(cell.distance_bin, cell.angle_bin, cell.heading_bin))
+    prior, (distance, angle, heading) = model.probabilities("Gait"), bins
+    known = [prior, prior * model.probabilities("Distance")[distance], model.evidence(distance, angle)]
+    if heading is not None:
+        known.append(model.evidence(distance, angle, heading))
     terms = {"prior": _log(prior), **{effect: np.zeros(len(prior)) for effect in EFFECTS}}
     for effect, before, after in zip(EFFECTS, known, known[1:], strict=False):
         # Once a gait is ruled out, no further variable has anything to add.

@@ -9,71 +9,99 @@ Letters: G gaits, K bins of a variable, P part-way poses of a gait.
 from __future__ import annotations
 
 import copy
-import math
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import methodcaller
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core import displays, statistics
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core import displays
+from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.models.body.opening import OpenTables
-from bayeshunt.models.body.rows import CountedRows
-from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts, counts_for
+from bayeshunt.models.formats import csv, model_file, xmlbif
 from bayeshunt.models.tables import network, sampling
-from bayeshunt.models.tables.effects import IndependentEffects, JointEffects, compile_effects
-from bayeshunt.models.tables.structures import NAIVE, Structure, check_hunting, depends_on_previous, find_structure
+from bayeshunt.models.tables.counted import (
+    ContextTables,
+    CountedTables,
+    check_every_gait_seen,
+    shares,
+    tables_of,
+)
+from bayeshunt.models.tables.given import GivenTables
+from bayeshunt.models.tables.sources import TableSource
+from bayeshunt.models.tables.structures import (
+    PREVIOUS,
+    SEARCHED,
+    Structure,
+    check_hunting,
+    depends_on_previous,
+    find_structure,
+)
 
-if TYPE_CHECKING:
-    from bayeshunt.models.counting.previous import PreviousCounts
-
-#: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
-GAIT_PRIORS = ("uniform", "empirical")
+__all__ = ["ForwardModel"]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class ForwardModel(OpenTables):
     """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
 
-    joint: the sufficient statistics; every table is derived from it and from the prior.
-    prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
-    gait_prior: "uniform" (the paper) or "empirical".
+    source: where the tables come from: counted rows, rows counted by the gait before, or another program's network.
     provenance: where the rows came from: ``{"sources": [record of each babbling table]}``.
     data: the babbling tables counted, kept by reference for :meth:`rows`; a loaded model has none.
-    structure: the edges among Gait, Distance, Angle and Heading; the paper's by default.
+    whole: the model that this is a part of, see :meth:`given`; None: it is whole.
     """
 
-    joint: JointCounts
-    prior: float = 0.0
-    gait_prior: str = "uniform"
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    data: tuple[pd.DataFrame, ...] = field(default=(), repr=False)
-    structure: Structure = NAIVE
-    counter: ClassVar[type[JointCounts] | type[PreviousCounts]] = JointCounts  # what it is fitted to
-    has_counts: ClassVar[bool] = True  # False for an imported network: its tables have no known counts
+    source: TableSource
+    provenance: Mapping[str, Any]
+    data: tuple[pd.DataFrame, ...]
+    whole: ForwardModel | None
 
-    def __post_init__(self) -> None:
-        prior = self.prior
-        if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)):
-            raise InputError(f"prior is {prior!r}; expected a pseudo-count >= 0")
-        if not (math.isfinite(prior) and prior >= 0):
-            raise InputError(f"prior is {prior}; expected a finite pseudo-count >= 0")
-        object.__setattr__(self, "prior", float(prior))
-        object.__setattr__(self, "provenance", copy.deepcopy(dict(self.provenance)))  # the caller's may change
-        if self.gait_prior not in GAIT_PRIORS:
-            raise InputError(f"gait_prior is {self.gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
-        self._check_structure()
+    def __init__(
+        self,
+        joint: JointCounts | PreviousCounts,
+        prior: float = 0.0,
+        gait_prior: str = "uniform",
+        provenance: Mapping[str, Any] | None = None,
+        data: tuple[pd.DataFrame, ...] = (),
+        structure: Structure | None = None,
+    ) -> None:
+        """Make a model of counts as they are; :meth:`fit` and :meth:`from_counts` also check them.
+
+        joint: the sufficient statistics; every table is derived from them and from the prior.
+        prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
+        gait_prior: "uniform" (the paper) or "empirical".
+        structure: the edges; by default the paper's, or PREVIOUS_GAIT for counts by the gait before.
+        """
+        self._set(tables_of(joint, prior, gait_prior, structure), provenance or {}, data)
+
+    def _set(
+        self, source: TableSource, provenance: Mapping[str, Any], data: tuple[pd.DataFrame, ...] = (),
+        whole: ForwardModel | None = None,
+    ) -> None:  # fmt: skip
+        fields = {"source": source, "provenance": copy.deepcopy(dict(provenance)), "data": data, "whole": whole}
+        for name, value in fields.items():  # the caller's provenance may change
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def over(
+        cls, source: TableSource, provenance: Mapping[str, Any] | None = None, data: tuple[pd.DataFrame, ...] = ()
+    ) -> ForwardModel:
+        """Return the model of a table source."""
+        model = cls.__new__(cls)
+        model._set(source, provenance or {}, data)
+        return model
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -97,15 +125,17 @@ class ForwardModel(OpenTables):
             to the farthest row.
         structure: "naive" (the paper), "tan", "joint", "previous_gait" or "learned", or a Structure. The
             edges of "tan" and "learned" are found in the rows; later updates keep them. For
-            "previous_gait" see ``models.previous``: the table must say which gait went before.
+            "previous_gait" the table must say which gait went before, see :meth:`given`.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
         gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
         needs a prior.
         """
-        kind = _kind(structure)
-        model = kind.empty(gaits, prior, axes=axes, gait_prior=gait_prior).update(frame)
-        return model._fitted(structure)
+        check_hunting(structure)
+        repertoire = GaitRepertoire.of(gaits)
+        grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
+        empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior)
+        return empty.update(frame)._fitted(structure)
 
     @classmethod
     def from_counts(
@@ -120,28 +150,29 @@ class ForwardModel(OpenTables):
         """Learn the tables from counts of rows that need not be in memory: equal to :meth:`fit` of those rows.
 
         joint: the sufficient statistics, of the kind that the structure is fitted to
-            (``models.previous_counts.counts_for``), see ``models.streaming``; the rest as in :meth:`fit`.
+            (``models.counting.previous.counts_for``), see ``models.counting.streaming``; the rest as in :meth:`fit`.
         """
-        return _kind(structure)._of_counts(joint, prior, gait_prior, provenance or {})._fitted(structure)
-
-    @classmethod
-    def _of_counts(
-        cls, counts: JointCounts | PreviousCounts, prior: float, gait_prior: str, provenance: Mapping[str, Any]
-    ) -> ForwardModel:
-        if not isinstance(counts, JointCounts):
-            raise InputError("this structure is fitted to JointCounts; counts by the gait before are for previous_gait")
-        return cls(counts, prior, gait_prior, provenance)
+        check_hunting(structure)
+        if not isinstance(joint, counts_for(structure)):
+            raise InputError(
+                "structure 'previous_gait' is fitted to PreviousCounts: count the gait before as well"
+                if depends_on_previous(structure)
+                else "this structure is fitted to JointCounts; counts by the gait before are for previous_gait"
+            )
+        return cls(joint, prior, gait_prior, provenance)._fitted(structure)
 
     def _fitted(self, structure: str | Structure) -> ForwardModel:
         """Return this model with ``structure`` and with its tables confirmed by pgmpy's own fit."""
-        self._check_every_gait_seen()
+        tables = self.source
+        assert isinstance(tables, (CountedTables, ContextTables))
+        check_every_gait_seen(tables)
         if isinstance(structure, str):
-            structure = find_structure(structure, self.counted_cells)
-        model = replace(self, structure=structure)
-        learned = {**model._effects.local, **model._shares}  # refuses huge tables before pgmpy would allocate them
-        fitted = network.fit_cells(model.counted_cells, model.states, model.prior, structure)
+            structure = find_structure(structure, tables.cells)
+        tables = replace(tables, structure=structure)
+        learned = {**tables.effects.local, **shares(tables)}  # refuses huge tables before pgmpy would allocate them
+        fitted = network.fit_cells(tables.cells, tables.states, tables.prior, structure)
         network.check_equal(fitted, learned)
-        return model
+        return ForwardModel.over(tables, self.provenance, self.data)
 
     @classmethod
     def empty(
@@ -151,102 +182,105 @@ class ForwardModel(OpenTables):
         *,
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
+        structure: str | Structure = "naive",
     ) -> ForwardModel:
-        """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError."""
+        """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError.
+
+        structure: as in :meth:`fit`, but for those that are found in rows, of which there are none yet.
+        """
+        check_hunting(structure)
         repertoire = GaitRepertoire.of(gaits)
         grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
-        return cls._of_counts(cls.counter.empty(repertoire, grid), prior, gait_prior, {})
+        counts = counts_for(structure).empty(repertoire, grid)
+        if isinstance(structure, str):
+            if structure in SEARCHED:
+                raise InputError(f"structure {structure!r} is found in rows, and there are none yet; use fit")
+            structure = find_structure(structure, counts.table)
+        return cls(counts, prior, gait_prior, structure=structure)
+
+    @classmethod
+    def of_tables(
+        cls, gaits: GaitRepertoire, axes: EffectAxes, structure: Structure, tables: Mapping[str, np.ndarray]
+    ) -> ForwardModel:
+        """Return the model of tables that another program made; see :class:`GivenTables`."""
+        return cls.over(GivenTables.of(gaits, axes, structure, tables))
 
     def update(self, rows: pd.DataFrame) -> ForwardModel:
         """Return a new model that has also counted ``rows``; equal to one batch fit of all rows.
 
-        Raises DataError if ``rows`` is not a babbling table of these gaits.
+        Raises DataError if ``rows`` is not a babbling table of these gaits, InputError for an imported
+        network or the part of a model.
         """
-        babbling_table.validate(rows)  # counting checks the gaits
-        counted = self._counted_with(rows)
+        self._check_whole("update")
+        if self.has_counts:
+            babbling_table.validate(rows)  # counting checks the gaits
+        counts = self.source.counted.merge(self.source.count(rows))  # type: ignore[arg-type]  # of one kind
         sources = list(self.provenance.get("sources", []))
         record = rows.attrs.get(babbling_table.PROVENANCE_KEY)
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        return replace(self, **counted, provenance=provenance, data=(*self.data, rows))
+        return ForwardModel(counts, self.prior, self.gait_prior, provenance, (*self.data, rows), self.structure)
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the rows that it counted, which no model file holds; DataError for others."""
-        model = replace(self, data=(frame,))
+        if not self.has_counts:
+            raise DataError("an imported network has no counts to hold rows against; fit a model: ForwardModel.fit")
+        model = ForwardModel.__new__(ForwardModel)
+        model._set(self.source, self.provenance, (frame,), self.whole)
         model._counted_rows  # noqa: B018  # checks the rows now, where the caller can see which table is wrong
         return model
 
-    # --- tables -------------------------------------------------------------------------------
-
-    def probabilities(self, variable: str) -> np.ndarray:
-        """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".
-
-        In other structures than the paper's, other parents are summed over; see :attr:`local_tables`.
-
-        Raises ZeroCountError if a gait has neither rows nor prior, InputError for another variable.
-        """
-        self._check_variable(variable)
-        return self._tables[variable]
-
-    @property
-    def local_tables(self) -> dict[str, np.ndarray]:
-        """The network's own tables: "Gait" [G] and P(effect | parents) [K, ...parents] of each effect.
-
-        Parents are in alphabetical order (``structure.parents``). In the paper's structure these are
-        the tables of :meth:`probabilities`. Otherwise, with prior 0, a column whose parents were
-        never seen together is 0 throughout: it cannot be reached.
-        """
-        return {"Gait": self._tables["Gait"], **self._effects.local}
-
-    @property
-    def states(self) -> dict[str, list[str]]:
-        """Names of the states of each variable of the network, in table order: gait names and bin labels."""
-        return network.state_names(self.gaits, self.axes)
-
-    @cached_property
-    def network(self) -> Any:
-        """The model as a pgmpy DiscreteBayesianNetwork; its states are :attr:`states`."""
-        return network.build(self.local_tables, self.states, self.structure)
-
-    @cached_property
-    def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
-        """Mean pose of each gait after each of its P + 1 equal intervals; None without path columns.
-
-        The last is the mean final pose; heading is clockwise. Exact sums of the rows, not of bins.
-        """
-        if not self.joint.points:
-            return None
-        paths = np.stack([self.joint.mean_poses(gait) for gait in range(len(self.gaits))])
-        paths.setflags(write=False)
-        return paths
-
-    @property
-    def learned_cells(self) -> np.ndarray:
-        """Int64 [M, 2]: the (Distance, Angle) bins that babbled rows fell into, sorted."""
-        return np.argwhere(self.joint.support > 0)
-
     # --- what will happen ---------------------------------------------------------------------
 
-    def after(self, previous_gait: Gait | str | None) -> ForwardModel:
-        """Return what each gait does right after ``previous_gait``; None: nothing is known of the gait before.
+    def given(self, context: Mapping[str, Gait | str | None]) -> ForwardModel:
+        """Return what each gait does in a context: the tables conditioned on it.
 
-        The same model unless its structure is "previous_gait", see ``models.previous``.
-        Raises InputError for a gait that is not in the repertoire.
+        context: {"PreviousGait": the gait just executed}; {}, or None for the gait: nothing is known of it, which
+            is the whole model. Learned coordinates, counts and rows are those of the rows in that context.
+            Where there are none (the model was smoothed by a prior), poses and coordinates are those of all
+            rows; ``counts`` shows the 0.
+
+        The same model unless its structure has the gait before as a cause. Raises InputError for another
+        variable, or a gait that is not in the repertoire.
         """
-        if previous_gait is not None:
-            self.gaits.index(previous_gait)
-        return self
+        states = {}
+        for variable, state in context.items():
+            if variable != PREVIOUS:
+                raise InputError(f"unknown context {variable!r}: expected {PREVIOUS}")
+            if state is not None:
+                states[variable] = self.gaits.names[self.gaits.index(state)]
+        whole = self if self.whole is None else self.whole
+        return whole._part(states.get(PREVIOUS))
+
+    def after(self, previous_gait: Gait | str | None) -> ForwardModel:
+        """Return what each gait does right after ``previous_gait``: ``given({"PreviousGait": previous_gait})``."""
+        return self.given({PREVIOUS: previous_gait})
+
+    def _part(self, previous_gait: str | None) -> ForwardModel:
+        """The part after a gait, made once."""
+        if previous_gait not in self._parts:
+            tables = self.source.given({PREVIOUS: str(previous_gait)})
+            part = self
+            if tables is not self.source:
+                part = ForwardModel.__new__(ForwardModel)
+                part._set(tables, self.provenance, self.data, self)
+            self._parts[previous_gait] = part
+        return self._parts[previous_gait]
+
+    @cached_property
+    def _parts(self) -> dict[str | None, ForwardModel]:
+        return {None: self}
 
     def predict(self, gait: Gait | str) -> Polar:
         """Return the expected pose after one step of ``gait``, in the robot's present frame.
 
         The mean of forward, right [m] and the circular mean heading over the babbled rows
-        themselves (exact fixed-point sums), not over bin centres. Raises ZeroCountError if the
-        gait was never babbled: a prior says nothing about a pose.
+        themselves (exact fixed-point sums), not over bin centres; of an imported network, which has no
+        rows, over bin centres. Raises ZeroCountError if the gait was never babbled: a prior says nothing
+        about a pose.
         """
-        index = self.gaits.index(gait)
-        forward, right, heading = map(float, self.joint.mean_poses(index)[-1])
+        forward, right, heading = map(float, self.source.mean_pose(self.gaits.index(gait)))
         return Polar.from_cartesian(forward, right, heading)
 
     def sample(self, gait: Gait | str, n: int, *, rng: np.random.Generator) -> Polar[FloatArray]:
@@ -258,7 +292,7 @@ class ForwardModel(OpenTables):
         index = self.gaits.index(gait)
         check_whole(n, "n", 0)
         check_generator(rng)
-        return self._effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
+        return self.source.effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
 
     def outcomes(self, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
@@ -268,62 +302,70 @@ class ForwardModel(OpenTables):
         common random numbers. A bin of probability 0 is never chosen.
         """
         draws = sampling.check_uniforms(uniforms)
-        poses = [self._effects.draw(self.axes, gait, draws) for gait in range(len(self.gaits))]
+        poses = [self.source.effects.draw(self.axes, gait, draws) for gait in range(len(self.gaits))]
         return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
 
-    def log_likelihood(self, rows: pd.DataFrame | JointCounts) -> float:
-        """Return sum over rows of log P(Gait) + log P(Distance, Angle, Heading | Gait), natural log.
+    def log_likelihood(self, rows: pd.DataFrame | JointCounts | PreviousCounts) -> float:
+        """Return sum over rows of log P(Gait) + log P(Distance, Angle, Heading | causes), natural log.
 
-        rows: a babbling table, or the counts of one.
+        rows: a babbling table, or its counts. With the gait before as a cause it must say which gait went before;
+            as in learning, rows that no gait went before are left out. An imported network sums over it.
         -inf if the model gives some row probability 0 (with prior 0: a bin that the gait was never
         seen in; always: beyond the distance axis).
         """
-        if not isinstance(rows, JointCounts):
-            babbling_table.validate(rows, self.gaits.names)
-            rows = JointCounts.of(rows, self.gaits, self.axes)
-        seen = rows
-        if seen.axes.distance.bins > self.axes.distance.bins:
-            return -math.inf
-        with np.errstate(divide="ignore"):
-            logs = np.log(self._tables["Gait"][seen.cells[:, 0]]) + self._effects.log_probability(seen.cells)
-        return float(np.sum(seen.counts * logs))
+        if isinstance(rows, (JointCounts, PreviousCounts)):
+            return self.source.log_likelihood(rows)
+        babbling_table.validate(rows, self.gaits.names)
+        return self.source.log_likelihood(type(self.source.counted).of(rows, self.gaits, self.axes))
 
     def evidence(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
         """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle and Heading."""
-        return self._effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
+        return self.source.effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
 
     # --- storing ------------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as JSON (counts, prior, axes, gaits, provenance); see ``models.store``."""
-        from bayeshunt.models.formats import model_file
-
+        """Write the model as JSON (counts, prior, axes, gaits, provenance); see ``models.formats.model_file``."""
+        self._check_whole("save")
         model_file.save(self, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> ForwardModel:
         """Read a model written by :meth:`save`; raises ModelFileError in one clear line."""
-        from bayeshunt.models.formats import model_file
+        return cls.over(*model_file.load(path))
 
-        return model_file.load(path)
+    @classmethod
+    def loads(cls, text: str, name: str = "model") -> ForwardModel:
+        """Return the model in the text of a model file; ``name`` is what a ModelFileError calls it."""
+        return cls.over(*model_file.loads(text, name))
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write every table as CSV, a row per cell with count and interval; see ``models.interchange``."""
-        from bayeshunt.models.formats import interchange
+        """Write every table as CSV, a row per cell with count and interval; see ``models.formats.csv``."""
+        return csv.write(self.cells, folder)
 
-        return interchange.write_csv(self, folder)
+    def cells(self, variable: str) -> pd.DataFrame:
+        """Return a table as one row per cell, as :meth:`to_csv` writes it; gaits vary slowest.
+
+        Where the gait before is a cause, the effects' tables start with a column previous_gait.
+        """
+        axis = None if variable == "Gait" else self.axes[variable]
+        if axis is None or not depends_on_previous(self.structure):
+            return csv.cells(self.table(variable), axis)
+        parts = {name: csv.cells(self.after(name).table(variable), axis) for name in self.gaits.names}
+        return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
 
     def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
         """Export as XMLBIF for other programs, with a map of state labels beside it."""
-        from bayeshunt.models.formats import xmlbif
-
         xmlbif.write(self, path)
 
     def __repr__(self) -> str:
         bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
+        after = "".join(f" after {state!r}" for state in self.known.values())
+        if not self.has_counts:
+            return f"<ForwardModel{after}: imported, {len(self.gaits)} gaits, bins {bins}>"
         kind = "" if self.structure.is_naive else f", structure {self.structure.name}"
         rows = f"{len(self.gaits)} gaits, {self.joint.total} rows"
-        return f"<ForwardModel: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
+        return f"<ForwardModel{after}: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)
@@ -332,69 +374,21 @@ class ForwardModel(OpenTables):
         return displays.to_html(self)
 
     def __eq__(self, other: object) -> bool:
-        """Equal counts, prior and gait prior, hence equal tables; provenance may differ."""
-        if not isinstance(other, ForwardModel):
-            return NotImplemented
-        mine, theirs = ((m.prior, m.gait_prior, m.structure) for m in (self, other))
-        return mine == theirs and self.joint == other.joint
+        """Equal counts, prior and gait prior (imported: equal tables), hence equal tables; provenance may differ."""
+        return self.source == other.source if isinstance(other, ForwardModel) else NotImplemented
 
     def __hash__(self) -> int:
-        return hash((self.joint, self.prior, self.gait_prior, self.structure))
+        return hash(self.source)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Only what defines the model: a worker process must not have to import pgmpy to receive it.
-        return ForwardModel, (self.joint, self.prior, self.gait_prior, self.provenance, (), self.structure)
+        if self.whole is not None:
+            return methodcaller("given", dict(self.known)), (self.whole,)
+        return ForwardModel.over, (self.source, self.provenance)
 
     # --- inside -------------------------------------------------------------------------------
 
-    @cached_property
-    def _tables(self) -> dict[str, np.ndarray]:
-        derived = {effect: self._effects.marginal(effect) for effect in EFFECTS}
-        count = len(self.gaits)
-        uniform = np.full(count, 1.0 / count)
-        derived["Gait"] = uniform if self.gait_prior == "uniform" else self._shares["Gait"]
-        for table in derived.values():
-            table.setflags(write=False)
-        return derived
-
-    @property
-    def _shares(self) -> dict[str, np.ndarray]:
-        """P(Gait) [G] as the rows have it."""
-        return {"Gait": statistics.normalise(self.joint.marginal("Gait")[:, None], self.prior, name="Gait")[:, 0]}
-
-    @property
-    def counted_cells(self) -> CountedCells:
-        """The counts over every variable of the network."""
-        return self.joint.table
-
-    def _counted_with(self, rows: pd.DataFrame) -> dict[str, Any]:
-        """The fields that hold counts, once ``rows`` are counted too."""
-        return {"joint": self.joint.merge(JointCounts.of(rows, self.gaits, self.axes))}
-
-    def _check_structure(self) -> None:
-        if depends_on_previous(self.structure):
-            raise InputError("this structure needs counts by the gait before; fit it: ForwardModel.fit")
-
-    def _check_every_gait_seen(self) -> None:
-        unseen = np.flatnonzero(self.joint.marginal("Gait") == 0)
-        if self.prior == 0 and unseen.size:
-            name = self.gaits.names[int(unseen[0])]
-            raise DataError(f"gait {name!r} has no rows; babble it, or fit with a prior > 0")
-
-    @cached_property
-    def _counted_rows(self) -> CountedRows:
-        return CountedRows(self, self.data)
-
-    @cached_property
-    def _effects(self) -> IndependentEffects | JointEffects:
-        return compile_effects(self.structure, self.joint, self.prior)
-
-
-def _kind(structure: str | Structure) -> type[ForwardModel]:
-    """The class that holds models of a structure; InputError if there is none."""
-    check_hunting(structure)
-    if not depends_on_previous(structure):
-        return ForwardModel
-    from bayeshunt.models.body.previous import PreviousGaitModel
-
-    return PreviousGaitModel
+    def _check_whole(self, what: str) -> None:
+        """Raise InputError for the part of a model, which does not ``what`` by itself."""
+        if self.whole is not None:
+            raise InputError(f"this is the part after {self.known[PREVIOUS]!r}; {what} the whole model")

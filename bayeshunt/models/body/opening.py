@@ -2,66 +2,169 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core import statistics
-from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import check_number
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.models.body.rows import CountedRows
+from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.probability_table import ProbabilityTable
+from bayeshunt.models.tables.sources import TableSource
+from bayeshunt.models.tables.structures import Structure
 
-if TYPE_CHECKING:
-    from bayeshunt.models.body.rows import CountedRows
-    from bayeshunt.models.counting.joint import JointCounts
+__all__ = ["OpenTables"]
 
 _LEVEL = "a probability between 0 and 1"
 
 
-class OpenTables(ABC):
+class OpenTables:
     """What a person asks of a model's tables; a forward model is one.
 
-    joint: the counts behind every table. prior: Dirichlet pseudo-count per cell.
-    gait_prior: "uniform" (P(Gait) is set) or "empirical" (estimated).
+    source: where the tables come from. data: the babbling tables counted, if they are at hand.
     """
 
-    joint: JointCounts
-    prior: float
-    gait_prior: str
-    known: ClassVar[Mapping[str, str]] = {}  # states of other variables that the tables are conditioned on
+    source: TableSource
+    data: tuple[pd.DataFrame, ...]
 
     @property
     def gaits(self) -> GaitRepertoire:
         """The repertoire, in table order."""
-        return self.joint.gaits
+        return self.source.gaits
 
     @property
     def axes(self) -> EffectAxes:
         """The bins of Distance, Angle and Heading."""
-        return self.joint.axes
-
-    @abstractmethod
-    def probabilities(self, variable: str) -> np.ndarray:
-        """Return a read-only CPT: [K, G] P(variable | Gait), or [G] for "Gait"."""
+        return self.source.axes
 
     @property
-    @abstractmethod
+    def structure(self) -> Structure:
+        """The edges among Gait, PreviousGait, Distance, Angle and Heading."""
+        return self.source.structure
+
+    @property
+    def joint(self) -> JointCounts:
+        """The counts behind every table; nothing is counted in those of an imported network."""
+        return self.source.joint
+
+    @property
+    def prior(self) -> float:
+        """Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables."""
+        return self.source.prior
+
+    @property
+    def gait_prior(self) -> str:
+        """How P(Gait) is made: "uniform" (it is set, as in the paper) or "empirical" (estimated)."""
+        return self.source.gait_prior
+
+    @property
+    def known(self) -> Mapping[str, str]:
+        """States of other variables that the tables are conditioned on: {"PreviousGait": name} or {}."""
+        return self.source.known
+
+    @property
+    def support(self) -> np.ndarray | None:
+        """Int64 [D, A]: rows that fell into each (Distance, Angle) cell; None in an imported network."""
+        return self.source.support
+
+    @property
+    def has_counts(self) -> bool:
+        """Whether the counts behind the tables are known; False for an imported network."""
+        return self.source.support is not None
+
+    @property
+    def by_previous(self) -> PreviousCounts | None:
+        """The counts by the gait before; None unless the structure has it as a cause."""
+        counted = self.source.counted
+        return counted if isinstance(counted, PreviousCounts) else None
+
+    @property
+    def counted_cells(self) -> CountedCells:
+        """The counts over every variable of the network."""
+        return self.source.cells
+
+    def probabilities(self, variable: str) -> np.ndarray:
+        """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".
+
+        In other structures than the paper's, other parents are summed over; see :attr:`local_tables`.
+
+        Raises ZeroCountError if a gait has neither rows nor prior, InputError for another variable.
+        """
+        self._check_variable(variable)
+        return self._tables[variable]
+
+    @property
+    def local_tables(self) -> dict[str, np.ndarray]:
+        """The network's own tables: P(cause) [G] of each cause and P(effect | parents) [K, ...parents] of each effect.
+
+        Parents are in alphabetical order (``structure.parents``). In the paper's structure these are
+        the tables of :meth:`probabilities`. Otherwise, with prior 0, a column whose parents were
+        never seen together is 0 throughout: it cannot be reached.
+        """
+        return self.source.local
+
+    @property
+    def states(self) -> dict[str, list[str]]:
+        """Names of the states of each variable of the network, in table order: gait names and bin labels."""
+        return self.source.states
+
+    @cached_property
+    def network(self) -> Any:
+        """The model as a pgmpy DiscreteBayesianNetwork; its states are :attr:`states`."""
+        return network.build(self.local_tables, self.states, self.structure)
+
+    @property
+    def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
+        """Mean pose of each gait after each of its P + 1 equal intervals; None without path columns.
+
+        The last is the mean final pose; heading is clockwise. Exact sums of the rows, not of bins. In the part
+        of a model: of a gait that never followed there, over all rows.
+        """
+        return self.source.mean_paths
+
+    @property
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: the (Distance, Angle) bins that babbled rows fell into, sorted.
+
+        Of an imported network: those of positive probability. Of a part without rows: those of the whole model.
+        """
+        return self.source.learned_cells
+
+    @cached_property
+    def _tables(self) -> dict[str, np.ndarray]:
+        derived = {effect: self.source.effects.marginal(effect) for effect in EFFECTS}
+        for table in derived.values():
+            table.setflags(write=False)
+        return {**derived, "Gait": self.source.causes["Gait"]}
+
+    @cached_property
     def _counted_rows(self) -> CountedRows:
         """The rows that the model has counted."""
+        frames = (self.source.select(frame) for frame in self.data)
+        return CountedRows(self.joint, [frame for frame in frames if len(frame)])
 
     def cpt(self, variable: str) -> pd.DataFrame:
         """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""
         return self._labelled(variable, self.probabilities(variable), "probability")
 
     def counts(self, variable: str) -> pd.DataFrame:
-        """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count")."""
+        """Return the integer counts behind :meth:`cpt`, same rows and columns ("Gait": "count").
+
+        Raises InputError for an imported network.
+        """
         self._check_variable(variable)
+        if not self.has_counts:
+            raise InputError("an imported network has probabilities but no counts; ask for its cpt")
         return self._labelled(variable, self.joint.marginal(variable), "count")
 
     def rows(self, variable: str, bin: str | int, gait: Gait | str | None = None) -> pd.DataFrame:
@@ -73,13 +176,18 @@ class OpenTables(ABC):
         Raises DataError if the model holds no rows (see :meth:`with_data`), InputError for an unknown name.
         """
         self._check_variable(variable)
-        return self._counted_rows.find(self, variable, bin, gait)
+        if not self.has_counts:
+            raise DataError("an imported network has no counts, so it has no rows behind them")
+        return self._counted_rows.find(variable, bin, gait)
 
     def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
         """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook.
 
-        P(Gait) has no intervals (None) where it is set to uniform: nobody estimated it.
+        P(Gait) has no intervals (None) where it is set to uniform: nobody estimated it. An imported network
+        has no counts either.
         """
+        if not self.has_counts:
+            return ProbabilityTable(variable, self.cpt(variable), None, None, None, level, None)
         low = high = None
         if not self._is_set(variable):
             low, high = self.credible_interval(variable, level)
@@ -94,6 +202,8 @@ class OpenTables(ABC):
         Raises InputError for a P(Gait) that is set to uniform: what nobody estimated has no interval.
         """
         self._check_variable(variable)
+        if not self.has_counts:
+            raise InputError("an imported network has probabilities but no counts, so it has no intervals")
         if self._is_set(variable):
             raise InputError(
                 "P(Gait) is set to uniform, not estimated, so it has no interval; fit with gait_prior='empirical'"

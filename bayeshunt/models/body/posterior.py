@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core import displays
+from bayeshunt.core import displays, units
 from bayeshunt.core.geometry import Polar, wrap
-
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.explain import explain
+from bayeshunt.models.body.forward import ForwardModel
 
 
 class Cell(NamedTuple):
@@ -139,16 +138,16 @@ class Posterior(NamedTuple):
 
     @property
     def asked(self) -> str:
-        """The target in words: "160 mm, 28.6 deg"; its heading too, where one was asked."""
-        heading = "" if self.heading is None else f", heading {_degrees(self.heading)}"
-        return f"{_length(self.distance)}, {_degrees(self.angle)}{heading}"
+        """The target in words: "160 mm, 28.6°"; its heading too, where one was asked."""
+        heading = "" if self.heading is None else f", heading {units.degrees(self.heading, 1)}"
+        return f"{units.length(self.distance)}, {units.degrees(self.angle, 1)}{heading}"
 
     @property
     def missed_by(self) -> str:
-        """How far the coordinate used is from the target: "15.8 m away, heading 112 deg off"; "" unless snapped."""
+        """How far the coordinate used is from the target: "15.8 m away, heading 112° off"; "" unless snapped."""
         place, heading = self._misses()
-        away = [f"{_length(place)} away"] if place is not None else []
-        return ", ".join([*away, *([f"heading {_degrees(heading)} off"] if heading is not None else [])])
+        away = [f"{units.length(place)} away"] if place is not None else []
+        return ", ".join([*away, *([f"heading {units.degrees(heading, 1)} off"] if heading is not None else [])])
 
     def _misses(self) -> tuple[float | None, float | None]:
         """Metres and radians by which place and heading were missed; None for one that is in its own bin."""
@@ -182,12 +181,11 @@ class Posterior(NamedTuple):
 
         Raises InputError for an unknown reference, one of probability 0, or a single gait.
         """
-        from bayeshunt.models.body.explain import explain
-
-        return explain(self.model, self, reference)
+        cell = self.cell
+        return explain(self.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin), self.values, reference)
 
     def __repr__(self) -> str:
-        evidence = ", ".join(f"{name} {label}" for name, label in self.evidence.items())
+        evidence = ", ".join(f"{name} {units.label(label)}" for name, label in self.evidence.items())
         best = float(self.values.max())
         support = "support unknown" if self.support is None else f"{self.support} rows"
         return f"<Posterior: {self.best} {best:.3f} given {evidence}{self._snap()}; {support}>"
@@ -196,24 +194,14 @@ class Posterior(NamedTuple):
         """What was asked and how far off the answer is, as short as can be; "" unless snapped."""
         if not self.snapped:
             return ""
-        angles = [_degrees(value, 0) for value in (self.angle, self.heading) if value is not None]
+        angles = [units.degrees(value) for value in (self.angle, self.heading) if value is not None]
         place, heading = self._misses()
-        missed = [_length(place)] if place is not None else []
-        missed += [f"{'' if missed else 'heading '}{_degrees(heading, 0)}"] if heading is not None else []
-        return f", for {', '.join([_length(self.distance), *angles])} ({', '.join(missed)} off)"
+        missed = [units.length(place)] if place is not None else []
+        missed += [f"{'' if missed else 'heading '}{units.degrees(heading)}"] if heading is not None else []
+        return f", for {', '.join([units.length(self.distance), *angles])} ({', '.join(missed)} off)"
 
     def __str__(self) -> str:
         return displays.to_text(self)
 
     def _repr_html_(self) -> str | None:
         return displays.to_html(self)
-
-
-def _length(metres: float) -> str:
-    """A length for people: "160 mm", "15.8 m"."""
-    return f"{metres:.3g} m" if metres >= 1.0 else f"{1000.0 * metres:.3g} mm"
-
-
-def _degrees(radians: float, digits: int = 1) -> str:
-    """An angle for people: "28.6 deg"; never "-0 deg"."""
-    return f"{round(math.degrees(radians), digits) + 0.0:g} deg"

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, Axis
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.joint import JointCounts
 
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
-    from bayeshunt.models.body.opening import OpenTables
+__all__ = ["CountedRows"]
 
 
 class CountedRows:
@@ -23,11 +22,12 @@ class CountedRows:
 
     frame: the rows [N], in order. cells: int64 [N, 4], bins of (gait, Distance, Angle, Heading).
 
-    Raises DataError unless the counts of ``frames`` are the model's own.
+    Raises DataError unless the counts of ``frames`` are ``mine``, the model's own.
     """
 
-    def __init__(self, model: ForwardModel, frames: tuple[pd.DataFrame, ...]) -> None:
-        rows, total = sum(map(len, frames)), model.joint.total
+    def __init__(self, mine: JointCounts, frames: Sequence[pd.DataFrame]) -> None:
+        self.gaits, self.axes = mine.gaits, mine.axes
+        rows, total = sum(map(len, frames)), mine.total
         if not rows:
             raise DataError(
                 "the model holds tables, not rows (a model file has none): model.with_data(frame) adds them"
@@ -36,20 +36,19 @@ class CountedRows:
             raise DataError(f"the model counted {total} rows, but {rows} are here; give all: model.with_data(frame)")
         # A copy, so that what is shown stays what was counted even if the caller's table changes.
         self.frame = pd.concat(frames, ignore_index=len(frames) > 1).copy()
-        babbling_table.validate(self.frame, model.gaits.names)
-        counted = JointCounts.of(self.frame, model.gaits, model.axes)
-        mine = model.joint
+        babbling_table.validate(self.frame, self.gaits.names)
+        counted = JointCounts.of(self.frame, self.gaits, self.axes)
         if not (np.array_equal(counted.cells, mine.cells) and np.array_equal(counted.counts, mine.counts)):
             raise DataError("these are not the rows that the model counted; give the table that it was fitted to")
-        self.cells = babbling_table.discretise(self.frame, model.gaits, model.axes)
+        self.cells = babbling_table.discretise(self.frame, self.gaits, self.axes)
 
-    def find(self, model: OpenTables, variable: str, bin: Any, gait: Gait | str | None) -> pd.DataFrame:
+    def find(self, variable: str, bin: Any, gait: Gait | str | None) -> pd.DataFrame:
         """Return the rows in one cell; see ``ForwardModel.rows``."""
         if variable == "Gait":
-            return self._where(self.cells[:, 0] == model.gaits.index(bin))
-        hits = self.cells[:, 1 + EFFECTS.index(variable)] == _bin_index(model, variable, bin)
+            return self._where(self.cells[:, 0] == self.gaits.index(bin))
+        hits = self.cells[:, 1 + EFFECTS.index(variable)] == _bin_index(self.axes[variable], bin)
         if gait is not None:
-            hits &= self.cells[:, 0] == model.gaits.index(gait)
+            hits &= self.cells[:, 0] == self.gaits.index(gait)
         return self._where(hits)
 
     def _where(self, hits: np.ndarray) -> pd.DataFrame:
@@ -58,9 +57,9 @@ class CountedRows:
         return found
 
 
-def _bin_index(model: OpenTables, variable: str, bin: Any) -> int:
+def _bin_index(axis: Axis, bin: Any) -> int:
     """Index of a bin given by label or by number."""
-    labels = model.axes[variable].labels
+    variable, labels = axis.name, axis.labels
     if isinstance(bin, str):
         if bin not in labels:
             raise InputError(f"{variable} has no bin {bin!r}; its bins are {labels[0]!r} to {labels[-1]!r}")

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,11 +20,13 @@ from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.files.records import RecordKind
 from bayeshunt.files.records import checksum as _checksum
-from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.body.previous import PreviousGaitModel
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS, JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.tables.counted import ContextTables, CountedTables, tables_of
+from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
+
+__all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "loads", "save"]
 
 #: What the file says it is.
 KIND = "bayeshunt forward model"
@@ -39,7 +42,26 @@ READABLE = (1, 2, 3)
 _RECORD = RecordKind(KIND, MAKER, READABLE)
 
 
-def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
+class Storable(Protocol):
+    """What can be written; a forward model is one."""
+
+    @property
+    def source(self) -> TableSource:
+        """Its tables."""
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """Where the rows came from."""
+
+
+class Stored(NamedTuple):
+    """What a model file holds: the counted tables, and where their rows came from."""
+
+    source: CountedTables | ContextTables
+    provenance: Mapping[str, Any]
+
+
+def save(model: Storable, path: str | os.PathLike[str]) -> None:
     """Write ``model``; the file is read back and compared before it takes its name.
 
     Raises BayesHuntError if the folder cannot be written or the provenance is not JSON.
@@ -47,11 +69,11 @@ def save(model: ForwardModel, path: str | os.PathLike[str]) -> None:
     text = dumps(model)
     with replace_atomically(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-        if load(temporary) != model:
+        if load(temporary).source != model.source:
             raise BayesHuntError(f"{os.fspath(path)}: the model did not come back as it was written")
 
 
-def load(path: str | os.PathLike[str]) -> ForwardModel:
+def load(path: str | os.PathLike[str]) -> Stored:
     """Read a model file.
 
     Raises ModelFileError in one line: missing, unreadable, not JSON, another kind of file, a newer
@@ -60,22 +82,22 @@ def load(path: str | os.PathLike[str]) -> ForwardModel:
     return loads(_RECORD.read_text(path), os.fspath(path))
 
 
-def dumps(model: ForwardModel) -> str:
+def dumps(model: Storable) -> str:
     """Return the text of the model file: deterministic, one counted cell per line.
 
     Raises InputError for an imported network, which has no counts to hold.
     """
-    if not model.has_counts:
+    if not isinstance(model.source, (CountedTables, ContextTables)):
         raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
-    content = _content(model)
-    version = FORMAT if isinstance(model, PreviousGaitModel) else _FORMAT_WITHOUT_PREVIOUS
+    content = _content(model.source, model.provenance)
+    version = FORMAT if isinstance(model.source, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
     facts = {"kind": KIND, "format": version, "checksum": _checksum(content)}
     head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in facts.items()]
     body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
     return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
 
 
-def loads(text: str, name: str = "model") -> ForwardModel:
+def loads(text: str, name: str = "model") -> Stored:
     """Return the model in ``text``; ``name`` is what errors call it. Raises ModelFileError."""
     version, content = _RECORD.loads(text, name)
     try:
@@ -87,21 +109,21 @@ def loads(text: str, name: str = "model") -> ForwardModel:
 # --- a model as plain numbers ----------------------------------------------------------------------
 
 
-def _content(model: ForwardModel) -> dict[str, Any]:
-    gaits, table = model.gaits, model.counted_cells
-    sums = _sums_by_previous(model.by_previous) if isinstance(model, PreviousGaitModel) else model.joint.sums
+def _content(tables: CountedTables | ContextTables, provenance: Mapping[str, Any]) -> dict[str, Any]:
+    gaits, table = tables.gaits, tables.cells
+    sums = _sums_by_previous(tables.by_previous) if isinstance(tables, ContextTables) else tables.joint.sums
     return {
-        "axes": {axis.name: _axis_record(axis) for axis in model.axes},
+        "axes": {axis.name: _axis_record(axis) for axis in tables.axes},
         "body_length": gaits.body_length,
         "cells": np.column_stack([table.cells, table.counts]).tolist(),
         "cells_columns": [*table.names, "count"],
         "duration": gaits.duration,
-        "gait_prior": model.gait_prior,
+        "gait_prior": tables.gait_prior,
         "gaits": [{"name": gait.name, "command": list(gait.command)} for gait in gaits],
         "pose_sums": sums.tolist(),
-        "prior": model.prior,
-        "provenance": _plain(dict(model.provenance)),
-        "structure": {"name": model.structure.name, "edges": [list(edge) for edge in model.structure.edges]},
+        "prior": tables.prior,
+        "provenance": _plain(dict(provenance)),
+        "structure": {"name": tables.structure.name, "edges": [list(edge) for edge in tables.structure.edges]},
     }
 
 
@@ -134,22 +156,23 @@ def _layout(key: str, value: Any) -> str:
 # --- plain numbers as a model ----------------------------------------------------------------------
 
 
-def _model(content: Any, structure: Structure) -> ForwardModel:
+def _model(content: Any, structure: Structure) -> Stored:
     gaits = GaitRepertoire(
         tuple(Gait(str(g["name"]), tuple(float(v) for v in g["command"])) for g in content["gaits"]),
         body_length=float(content["body_length"]),
         duration=float(content["duration"]),
     )
     axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
-    settings = (content["prior"], content["gait_prior"], dict(content["provenance"]))
+    prior, gait_prior, provenance = content["prior"], content["gait_prior"], dict(content["provenance"])
     if depends_on_previous(structure):
         if structure != PREVIOUS_GAIT:
             raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
         rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 4)
         counts = _previous_counts(rows.reshape(-1, 6), sums, gaits, axes)
-        return PreviousGaitModel(counts.joint, *settings, by_previous=counts)
+        return Stored(tables_of(counts, prior, gait_prior), provenance)
     rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
-    return ForwardModel(_joint_counts(rows.reshape(-1, 5), sums, gaits, axes), *settings, structure=structure)
+    joint = _joint_counts(rows.reshape(-1, 5), sums, gaits, axes)
+    return Stored(tables_of(joint, prior, gait_prior, structure), provenance)
 
 
 def _joint_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> JointCounts:

@@ -1,37 +1,75 @@
 """Export to XMLBIF 0.3, which pgmpy, pyAgrum, JavaBayes, GeNIe and others read.
 
 XMLBIF state names may hold only letters, digits and underscores; bin labels such as "-30 deg" do
-not survive (they would collide with "30 deg"). States are therefore called g00, d000, a00, h00, ...
-and ``<path>.labels.json`` says what each of them is.
+not survive (they would collide with "30 deg"). States are therefore called wide_right, mm160_165,
+deg_minus30, ... and ``<path>.labels.json`` says what each of them is.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 from xml.etree import ElementTree
 
 import numpy as np
 
+from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, write_text
-
-if TYPE_CHECKING:
-    from bayeshunt.models.body.forward import ForwardModel
-
-#: First letter of the states of each variable.
-LETTERS = {"PreviousGait": "p", "Gait": "g", "Distance": "d", "Angle": "a", "Heading": "h"}
+from bayeshunt.models.tables.structures import Structure
 
 
-def safe_labels(model: ForwardModel) -> dict[str, dict[str, str]]:
+class Exported(Protocol):
+    """What an export is made of; a forward model has it."""
+
+    @property
+    def structure(self) -> Structure:
+        """The edges."""
+
+    @property
+    def states(self) -> Mapping[str, list[str]]:
+        """Names of the states of each variable, in table order."""
+
+    @property
+    def local_tables(self) -> Mapping[str, np.ndarray]:
+        """P(variable | parents) [K, ...parents] of each variable."""
+
+
+def safe_labels(model: Exported) -> dict[str, dict[str, str]]:
     """Return, per variable, safe state name -> the model's own label, both in table order."""
-    return {
-        variable: {f"{LETTERS[variable]}{i:0{len(str(len(labels) - 1))}d}": label for i, label in enumerate(labels)}
-        for variable, labels in model.states.items()
-    }
+    return {variable: _safe(variable, labels) for variable, labels in model.states.items()}
+
+
+def _safe(variable: str, labels: Iterable[str]) -> dict[str, str]:
+    """Safe name -> label of the states of one variable; a name that is taken gets a number."""
+    names: dict[str, str] = {}
+    for label in labels:
+        token = _bin_token(label) if variable in EFFECTS else _token(label)
+        number = 2
+        name = token
+        while name in names:
+            name, number = f"{token}_{number}", number + 1
+        names[name] = label
+    return names
+
+
+def _token(text: str) -> str:
+    """Letters, digits and underscores that read like ``text`` and begin with a letter."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    token = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
+    return token if token[:1].isalpha() else f"gait_{token}".rstrip("_")
+
+
+def _bin_token(label: str) -> str:
+    """A bin: "160-165.3 mm" -> mm160_165p3, "-30 deg" -> deg_minus30."""
+    values, _, unit = label.partition(" ")
+    low = re.sub("^-", "_minus", values)
+    return unit + low.replace("-", "_").replace(".", "p")
 
 
 def labels_path(path: str | os.PathLike[str]) -> Path:
@@ -39,7 +77,7 @@ def labels_path(path: str | os.PathLike[str]) -> Path:
     return Path(check_path(path, "the name of a file", InputError) + ".labels.json")
 
 
-def write(model: ForwardModel, path: str | os.PathLike[str]) -> None:
+def write(model: Exported, path: str | os.PathLike[str]) -> None:
     """Write the network at ``path`` and its label map at ``<path>.labels.json``, each atomically.
 
     Probabilities are written in full precision. A column whose parents were never seen together, so

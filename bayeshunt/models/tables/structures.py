@@ -25,6 +25,8 @@ PREVIOUS = "PreviousGait"
 CAUSES = (PREVIOUS, "Gait")
 #: What ``structure=`` and ``--structure`` accept.
 STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
+#: Those whose edges are found in the rows.
+SEARCHED = ("tan", "learned")
 
 Edge = tuple[str, str]
 

@@ -1,5 +1,5 @@
 /* The explorer in the browser: draws the scene and the answer, and tells Python where the target is.
-   Screen: the robot faces up, metres to the right and ahead; angles are clockwise from ahead. */
+   After units.js. Screen: the robot faces up, metres to the right and ahead; angles are clockwise from ahead. */
 
 const SVG = "http://www.w3.org/2000/svg";
 const SIZE = 400;
@@ -19,8 +19,6 @@ function element(name, text, className, parent) {
   return node;
 }
 
-const wrap = (angle) => Math.PI - ((((Math.PI - angle) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI));
-const degrees = (angle) => `${((180 * angle) / Math.PI).toFixed(0).replace(/^-0$/, "0").replace("-", "−")}°`;
 
 /* Pixels and metres: the robot is in the middle of the picture. */
 class Plane {
@@ -61,7 +59,7 @@ function drawGround(svg, plane) {
   for (let radius = step; radius <= plane.extent; radius += step) {
     shape("circle", { class: "ring", cx: SIZE / 2, cy: SIZE / 2, r: radius * plane.scale }, svg);
     const label = shape("text", { class: "scale", x: SIZE / 2 + 3, y: SIZE / 2 + radius * plane.scale - 3 }, svg);
-    label.textContent = step < 1 ? `${Math.round(1000 * radius)} mm` : `${radius.toFixed(1)} m`;
+    label.textContent = length(radius);
   }
   const learned = shape("g", { class: "learned" }, svg);
   const most = scene.cells.reduce((largest, cell) => Math.max(largest, cell[2]), 1);
@@ -162,7 +160,7 @@ function buildSide(side, scene) {
       value.textContent = probability.toFixed(3);
       row.classList.toggle("best", scene.gaits[i] === answer.best);
     });
-    facts.target.textContent = `${(1000 * distance).toFixed(0)} mm at ${degrees(wrap(angle))}`;
+    facts.target.textContent = `${length(distance)} at ${degrees(wrap(angle))}`;
     facts["learned cell"].textContent = `${answer.labels[0]}, ${answer.labels[1]}${answer.snapped ? " (nearest)" : ""}`;
     facts["P(evidence)"].textContent = answer.evidence_probability.toPrecision(4);
     facts.support.textContent = answer.rows;
@@ -186,7 +184,7 @@ function render({ model, el }) {
     tell(answer, distance, angle);
     const spoken = `Most probable gait ${answer.best}; support ${answer.rows}.`;
     if (status.textContent !== spoken) status.textContent = spoken;
-    svg.setAttribute("aria-label", `Target ${(1000 * distance).toFixed(0)} millimetres at ${degrees(wrap(angle))}; ` +
+    svg.setAttribute("aria-label", `Target ${length(distance)} at ${degrees(wrap(angle))}; ` +
       `most probable gait ${answer.best}. Arrow keys move the target.`);
   };
   const move = (forward, right) => {

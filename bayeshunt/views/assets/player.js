@@ -5,13 +5,7 @@
 
 const SPEEDS = [0.5, 1, 2, 4, 8, 16];
 
-const mm = (metres) => `${(1000 * metres).toFixed(0)} mm`;
-const degrees = (radians) => {
-  const text = ((180 * radians) / Math.PI).toFixed(0);
-  return `${text === "-0" ? "0" : text.startsWith("-") ? "−" + text.slice(1) : text}°`;
-};
-const polar = (pose) => `${mm(pose[0])} at ${degrees(pose[1])}`;
-const wrap = (angle) => Math.PI - ((((Math.PI - angle) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI));
+const polar = (pose) => `${length(pose[0])} at ${degrees(pose[1])}`;
 
 function element(name, text, className) {
   const node = document.createElement(name);
@@ -241,7 +235,7 @@ class Player {
       bar.style.width = `${(100 * table.values[i]) / most}%`;
       cell.append(bar);
       cell.setAttribute("aria-hidden", "true");
-      row.append(head, cell, element("td", table.values[i].toFixed(3)));
+      row.append(head, cell, element("td", table.kind === "posterior" ? table.values[i].toFixed(3) : String(Number(table.values[i].toPrecision(4)))));
       if (gait === step.gait) {
         row.className = "chosen";
         row.setAttribute("aria-current", "true");
@@ -273,7 +267,8 @@ class Player {
     prey.replaceChildren(...step.prey.map((row, i) => {
       const line = element("tr");
       const share = `${((100 * row[3]) / total).toFixed(1)} %`;
-      const cells = [`${(1000 * row[0]).toFixed(1)} mm`, degrees(row[1]), degrees(row[2]), String(row[3]), share];
+      const [far, wide, turned] = this.hunt.bins; // a cell is all of its bin, not the middle
+      const cells = [range(row[0], far, lengths), range(row[1], wide, angles), range(row[2], turned, angles), String(row[3]), share];
       line.append(...cells.map((text) => element("td", text)));
       if (i === step.fresh) {
         line.className = "new";
@@ -484,8 +479,8 @@ function drawCatch({ g, at, ink, view }, hunter, prey, outcome) {
 }
 
 function drawScale({ g, ink, view }, above) {
-  const length = [0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 56) || 10;
-  const pixels = length * view.scale, y = view.height - above;
+  const reach = [0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 56) || 10;
+  const pixels = reach * view.scale, y = view.height - above;
   g.strokeStyle = g.fillStyle = ink("muted");
   g.lineWidth = 2;
   g.beginPath();
@@ -498,7 +493,7 @@ function drawScale({ g, ink, view }, above) {
   g.textAlign = "left";
   g.strokeStyle = ink("field");
   g.lineWidth = 5;
-  const label = length < 1 ? `${Math.round(100 * length)} cm` : `${length} m`;
+  const label = length(reach);
   g.strokeText(label, 14, y - 9);
   g.fillText(label, 14, y - 9);
 }

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bayeshunt.core.units import degrees, length, true_minus
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.planners.api import Plan
@@ -46,11 +47,10 @@ class Window(NamedTuple):
         """A scale bar of a round length, at the bottom."""
         reach = 0.3 * (self.width - 2 * _MARGIN) / self.scale
         power = 10.0 ** math.floor(math.log10(reach))
-        length = max(step * power for step in (1, 2, 5) if step * power <= reach)
-        y, end = self.height - 8, _MARGIN + length * self.scale
-        name = f"{length:g} m" if length >= 1 else f"{length * 1000:g} mm"
+        step = max(step * power for step in (1, 2, 5) if step * power <= reach)
+        y, end = self.height - 8, _MARGIN + step * self.scale
         bar = svg.line([(_MARGIN, y - 4), (_MARGIN, y), (end, y), (end, y - 4)], stroke=svg.INK)
-        return tag("g", bar, svg.text(end + 6, y + 1, name, faint=True))
+        return tag("g", bar, svg.text(end + 6, y + 1, length(step), faint=True))
 
     def robot(self, across: float, up: float, direction: float, colour: str, title: str, size: float = 8.0) -> Html:
         """A robot as an arrowhead; ``direction`` in radians counter-clockwise from the right, NaN draws a disc."""
@@ -130,7 +130,7 @@ def inverse_map(inverse: InverseModel) -> Html:
     window = Window.around([0.0, *right], [0.0, *ahead], size=420)
     parts = []
     for distance, angle, support, gait in zip(table["distance"], table["angle"], table["support"], best, strict=True):
-        place = f"{distance * 1000:.0f} mm, {math.degrees(angle):.0f} deg"
+        place = f"{length(distance)}, {true_minus(degrees(angle))}"
         hint = f"{place}: {names[gait]}, support {grounds.rows(support)}"
         parts.append(
             _sector(window, distance, angle, axes.distance.width, axes.angle.width, theme.gait_colour(gait), hint)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from bayeshunt.core.bins import EFFECTS, Axis
+from bayeshunt.core.units import label, length, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.models.tables.structures import PREVIOUS, depends_on_previous
@@ -124,16 +125,24 @@ def _before_node(model: ForwardModel, top: float) -> Html:
 
 def _effect_node(axis: Axis, shares: np.ndarray, observed: int | None, y: float) -> Html:
     x, (width, height) = _RIGHT, _NODE
-    note = f"highest {shares.max():.3f}" if observed is None else f"observed: {axis.labels[observed]}"
+    names = [true_minus(label(name)) for name in axis.labels]
+    note = f"highest {shares.max():.3f}" if observed is None else f"observed: {names[observed]}"
     parts = _frame(x, y, width, height, axis.name, note, observed is not None)
-    parts += _bars(axis, shares, observed, x + 12, y + 28, width - 24, height - 48)
-    for place, anchor, label in _ticks(axis):
-        parts.append(svg.text(x + 12 + place * (width - 24), y + height - 6, label, anchor=anchor, faint=True))
+    parts += _bars(axis.name, names, shares, observed, x + 12, y + 28, width - 24, height - 48)
+    for place, anchor, words in _ticks(axis):
+        parts.append(svg.text(x + 12 + place * (width - 24), y + height - 6, words, anchor=anchor, faint=True))
     return tag("g", *parts)
 
 
 def _bars(
-    axis: Axis, shares: np.ndarray, observed: int | None, x: float, y: float, width: float, height: float
+    name: str,
+    labels: list[str],
+    shares: np.ndarray,
+    observed: int | None,
+    x: float,
+    y: float,
+    width: float,
+    height: float,
 ) -> list[Html]:
     """A bar per bin; where bins outnumber the pixels, neighbours are added up."""
     group = math.ceil(len(shares) / _MOST_BARS)
@@ -144,7 +153,7 @@ def _bars(
     bars = [svg.line([(x, y + height), (x + width, y + height)], stroke=svg.LINE)]
     for place, (start, share) in enumerate(zip(starts.tolist(), sums.tolist(), strict=True)):
         last = min(start + group, len(shares)) - 1
-        label = axis.labels[start] if group == 1 else f"{axis.labels[start]} to {axis.labels[last]}"
+        bins = labels[start] if group == 1 else f"{labels[start]} to {labels[last]}"
         marked = observed is not None and start <= observed <= last
         tall = height if marked else share * scale
         if tall <= 0:
@@ -157,7 +166,7 @@ def _bars(
                 y + height - tall,
                 max(step - 1, 0.8),
                 tall,
-                f"{axis.name} {label}: {share:.4g}",
+                f"{name} {bins}: {share:.4g}",
                 fill=fill,
                 opacity=faded,
             )
@@ -170,5 +179,5 @@ def _ticks(axis: Axis) -> list[tuple[float, str, str]]:
     if axis.circular:
         middle = (axis.bins // 2 + 0.5) / axis.bins
         return [(0, "start", "−180°"), (middle, "middle", "0°"), (1, "end", "180°")]
-    far = axis.edges[-1] * 1000
-    return [(0, "start", "0"), (0.5, "middle", f"{far / 2:.0f} mm"), (1, "end", f"{far:.0f} mm")]
+    far = float(axis.edges[-1])
+    return [(0, "start", "0"), (0.5, "middle", length(far / 2)), (1, "end", length(far))]

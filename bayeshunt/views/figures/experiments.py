@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.geometry import Polar
+from bayeshunt.core.units import degrees
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, styled
 
@@ -57,7 +58,7 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
         body(axes, seen.right, seen.forward, 0, prey, PREY)
         outward = (np.sin(theta), np.cos(theta))
         beyond = tuple(part + step * prey / 2 for part, step in zip((seen.right, seen.forward), outward, strict=True))
-        axes.annotate(f"{theta:g}", beyond, (9 * outward[0], 9 * outward[1]), textcoords="offset points",
+        axes.annotate(degrees(theta), beyond, (13 * outward[0], 10 * outward[1]), textcoords="offset points",
                       ha="center", va="center", color=PREY)  # fmt: skip
     body(axes, 0, 0, 0, hunter, HUNTER)
     axes.annotate("hunter", (0, -hunter / 2), (0, -3), textcoords="offset points", ha="center", va="top", color=HUNTER)
@@ -71,7 +72,7 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
     axes.set_xlim(-max(walls, reach), max(walls, reach))
     axes.set_ylim(-max(walls, reach), max(walls, reach))
     axes.set_aspect("equal", adjustable="box")
-    axes.set_title(f"{arena}: prey at θ [rad]")
+    axes.set_title(f"{arena}: prey at θ")
 
 
 def draw_success(axes: Axes, results: pd.DataFrame, settings: ExperimentSettings, planner: str, arena: str) -> None:
@@ -91,15 +92,21 @@ def draw_success(axes: Axes, results: pd.DataFrame, settings: ExperimentSettings
     if total["paper_success"] is not None:
         label = f"published: {100 * total['paper_success']:.1f} %"
         axes.axhline(total["paper_success"] * 100, color=PREY, linewidth=1.2, linestyle=(0, (4, 2)), label=label)
-    axes.set_xticks(x, [f"{row['theta']:g}" for row in bearings])
+    axes.set_xticks(x, [degrees(row["theta"]) for row in bearings])
     axes.set_ylim(0, 105)
     axes.set_yticks(range(0, 101, 20))
     axes.grid(axis="y", color=LINE, linewidth=0.5)
     axes.set_axisbelow(True)
-    axes.set_xlabel("θ, first bearing of the prey [rad clockwise]")
+    axes.set_xlabel(f"first bearing of the prey, clockwise: {_named(bearings)}")
     axes.set_ylabel("caught [%]")
     axes.set_title(f"{planner}, {_runs(bearings)} per bearing")
     axes.legend(loc="upper left", bbox_to_anchor=(0, -0.18), fontsize=8, labelcolor=FAINT)
+
+
+def _named(bearings: list[dict[str, float]]) -> str:
+    """The bearings as the paper and ``--theta`` name them."""
+    names = [f"{row['theta']:g}" for row in bearings]
+    return f"θ = {', '.join(names) if len(names) <= 8 else f'{names[0]} to {names[-1]}'}"
 
 
 def _all(total: dict[str, float]) -> str:

@@ -13,6 +13,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core import units
 from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.views.figures.style import FAINT, HUNTER, PREY, shorten, styled
@@ -82,7 +83,7 @@ def _scale_bar(panel: Axes, left: float, bottom: float, width: float) -> None:
     length = next((size for size in (50, 100, 200, 500, 1000, 2000) if size >= 0.2 * width), 5000)
     start, height = left + 0.03 * width, bottom + 0.02 * width
     panel.plot([start, start + length], [height, height], color=FAINT, linewidth=1.4, solid_capstyle="butt")
-    label = f" {length / 1000:g} m" if length >= 1000 else f" {length / 10:g} cm"
+    label = f" {units.length(length / 1000)}"
     panel.text(start + length, height, label, fontsize=7, color=FAINT, verticalalignment="center")
 
 

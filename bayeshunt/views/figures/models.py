@@ -12,6 +12,7 @@ from matplotlib.patches import Arc, ConnectionPatch
 
 from bayeshunt.core.bins import EFFECTS, Axis
 from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.units import degrees, label, length, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS, depends_on_previous
 from bayeshunt.models.target.prey import PreyModel
@@ -50,9 +51,7 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     place.set_title("Where one step of each gait leads")
     turn.set_title("Which way it then faces")
     _name_gaits(turn, model, 18)
-    for index, label in enumerate(turn.get_yticklabels()):
-        label.set_color(theme.gait_colour(index))
-    _degrees(turn, "heading [degrees clockwise]")
+    _degrees(turn, "heading [° clockwise]")
     return figure
 
 
@@ -145,7 +144,7 @@ def _effect_bars(axes: Axes, axis: Axis, shares: np.ndarray) -> None:
     if axis.circular:
         axes.bar(np.degrees(_unwrapped(axis)), shares, width=math.degrees(axis.width) * 0.9, color=BAR)
         _degrees(axes, "", grid=False)
-        unit = "degrees clockwise"
+        unit = "° clockwise"
     else:
         axes.bar(axis.centres * 1000, shares, width=axis.width * 900, color=BAR)
         axes.set_xlim(0, float(axis.edges[-1]) * 1000)
@@ -200,13 +199,13 @@ def draw_transition(axes: Axes, transition: Polar, body_length: float) -> None:
     side = 1 if right <= 0 else -1  # labels on the side away from the arrow
     away = (-side * math.cos(angle), side * math.sin(angle))  # across the arrow, on the side without the arc
     axes.annotate(
-        f"distance {float(transition.distance) * 1000:.0f} mm", (right / 2, ahead / 2), (7 * away[0], 7 * away[1]),
+        f"distance {length(float(transition.distance))}", (right / 2, ahead / 2), (7 * away[0], 7 * away[1]),
         textcoords="offset points", ha="right" if away[0] < 0 else "left", va="top" if away[1] < -0.3 else "center",
         color=PREY,
     )  # fmt: skip
-    axes.annotate(f"angle {_minus(math.degrees(angle))}°", (0, reach * 0.6), (side * 8, 0), textcoords="offset points",
+    axes.annotate(f"angle {true_minus(degrees(angle))}", (0, reach * 0.6), (side * 8, 0), textcoords="offset points",
                   ha="left" if side > 0 else "right", va="bottom")  # fmt: skip
-    axes.annotate(f"heading {_minus(math.degrees(heading))}°", (right, ahead + diameter * 1.5), (side * 6, 2),
+    axes.annotate(f"heading {true_minus(degrees(heading))}", (right, ahead + diameter * 1.5), (side * 6, 2),
                   textcoords="offset points", ha="left" if side > 0 else "right", va="bottom")  # fmt: skip
     axes.annotate("one time-step earlier", (0, -diameter / 2), (0, -5), textcoords="offset points", ha="center",
                   va="top", color=FAINT)  # fmt: skip
@@ -242,7 +241,7 @@ def draw_prey_table(axes: Axes, prey: PreyModel) -> None:
     low, high = (np.clip(s * (frame[name].to_numpy() - p), 0, None) for name, s in (("low", -1), ("high", 1)))
     axes.barh(y, p, color=BAR, height=0.66)
     axes.errorbar(p, y, xerr=[low, high], fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.5)
-    labels = [f"{d}, {_degree_label(a)}, {_degree_label(h)}" for d, a, h in frame.index]
+    labels = [true_minus(", ".join(map(label, cell))) for cell in frame.index]
     axes.set_yticks(y, labels)
     for place, count, end in zip(y, frame["count"], p + high, strict=True):
         axes.annotate(f"{count}", (end, place), (5, 0), textcoords="offset points", va="center", color=FAINT)
@@ -264,14 +263,6 @@ def prey(transition: Polar, learned: PreyModel, body_length: float) -> Figure:
     draw_transition(left, transition, body_length)
     draw_prey_table(right, learned)
     return figure
-
-
-def _degree_label(label: str) -> str:
-    return label.replace(" deg", "°").replace("-", "−")
-
-
-def _minus(degrees: float) -> str:
-    return f"{degrees:.0f}".replace("-", "−")
 
 
 def _degrees(axes: Axes, label: str, *, grid: bool = True) -> None:

@@ -19,9 +19,13 @@ from bayeshunt.views.terminal import assessment as assessment_texts
 from bayeshunt.views.terminal import texts
 
 
-@singledispatch
 def to_html(thing: Any) -> str:
     """Return ``thing`` as one piece of HTML with its style sheet: offline, without scripts, all text escaped."""
+    return str(_to_html(thing))  # a plain str: marimo shows nothing for a subclass
+
+
+@singledispatch
+def _to_html(thing: Any) -> str:
     raise TypeError(f"nothing here draws a {type(thing).__name__}")
 
 
@@ -47,5 +51,5 @@ _DRAWN: tuple[tuple[type, Callable[..., str], Callable[..., str]], ...] = (
     ),
 )
 for _kind, _html, _text in _DRAWN:
-    to_html.register(_kind, _html)
+    _to_html.register(_kind, _html)
     to_text.register(_kind, _text)

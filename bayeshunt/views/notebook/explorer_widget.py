@@ -10,6 +10,7 @@ import numpy as np
 import traitlets
 
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.units import label, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
@@ -34,7 +35,7 @@ class Explorer(anywidget.AnyWidget):
     target; setting them moves it. Raises InputError for a target out of range or another model.
     """
 
-    _esm = asset("explorer.js")
+    _esm = asset("units.js") + asset("explorer.js")
     _css = asset("explorer.css")
 
     distance = traitlets.Float(0.10).tag(sync=True)  # metres, >= 0
@@ -120,7 +121,7 @@ def _describe(inverse: InverseModel, answer: Posterior) -> dict[str, Any]:
         "rows": grounds.support(answer),
         "snapped": answer.snapped,
         "cell": [answer.cell.distance_bin, answer.cell.angle_bin],
-        "labels": [answer.cell.distance_label, answer.cell.angle_label],
+        "labels": [true_minus(label(name)) for name in (answer.cell.distance_label, answer.cell.angle_label)],
         "outcomes": _outcomes(inverse, answer),
     }
 

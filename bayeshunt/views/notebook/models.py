@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import ZeroCountError
+from bayeshunt.core.units import true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
@@ -74,12 +75,12 @@ def posterior(answer: Posterior) -> Html:
 
 def posterior_facts(answer: Posterior) -> Html:
     """Return what an answer rests on."""
-    used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
+    used = true_minus(grounds.cell(answer)) + grounds.known(answer.model)
     nearest = f" ({grounds.snapped(answer)})" if answer.snapped else ""
     name = "learned coordinate used" if answer.model.has_counts else "coordinate used"
     rests_on = facts(
         [
-            ("asked", answer.asked),
+            ("asked", true_minus(answer.asked)),
             (name, used + nearest),
             ("P(evidence)", number(answer.evidence_probability, 4)),
             ("support", grounds.support(answer)),

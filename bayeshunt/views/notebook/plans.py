@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.units import objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.planners.api import Plan
 from bayeshunt.views import grounds
 from bayeshunt.views.drawings import maps
 from bayeshunt.views.notebook.html import Html, card, facts, fold, join, number, row, table, tag
 from bayeshunt.views.notebook.models import bars
-from bayeshunt.views.units import objective
 
 #: At most so many children of a node and so many nodes of a tree are shown.
 MOST_CHILDREN = 12

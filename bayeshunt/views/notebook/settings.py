@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.core.units import degrees, length, speed
 from bayeshunt.planners.api import Shown
 from bayeshunt.planners.catalogue import summarise
 from bayeshunt.views.notebook.html import Html, card, facts, row, table
@@ -43,14 +44,14 @@ def robot(shown: RobotSettings) -> Sheet:
     """Return a robot: its body, its noise, and a row per gait."""
     body, noise = shown.body, shown.noise
     car = body.drive == "car"
-    length = ("wheelbase", body.wheelbase) if car else ("axle", body.axle)
-    steering = f"steering ±{math.degrees(body.max_steering):.0f}° at {math.degrees(body.max_steering_rate):.0f}°/s"
-    limits = [f"acceleration {body.max_acceleration:g} m/s2", f"traction {body.max_traction:g} m/s2"]
+    name, span = ("wheelbase", body.wheelbase) if car else ("axle", body.axle)
+    steering = f"steering ±{degrees(body.max_steering)} at {degrees(body.max_steering_rate)}/s"
+    limits = [f"acceleration {speed(body.max_acceleration)}²", f"traction {speed(body.max_traction)}²"]
     pairs = [
-        ("body", f"disc of {_mm(body.diameter)}, {length[0]} {_mm(length[1])}, {body.drive} drive"),
+        ("body", f"disc of {length(body.diameter)}, {name} {length(span)}, {body.drive} drive"),
         ("limits", ", ".join([*limits, steering] if car else limits)),
         ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
-        ("top speed", f"{1000 * shown.top_speed:g} mm/s"),
+        ("top speed", speed(shown.top_speed)),
         ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
     ]
     columns = ("gait", "speed mm/s", "steering °") if car else ("gait", "left mm/s", "right mm/s")
@@ -64,7 +65,7 @@ def robot(shown: RobotSettings) -> Sheet:
 
 def gaits(shown: GaitRepertoire) -> Sheet:
     """Return a repertoire: a row per gait, with its command in the body's own units."""
-    pairs = [("body length", _mm(shown.body_length)), ("time-step", f"{shown.duration:g} s, held by every gait")]
+    pairs = [("body length", length(shown.body_length)), ("time-step", f"{shown.duration:g} s, held by every gait")]
     rows = [(clean(gait.name), ", ".join(f"{value:g}" for value in gait.command)) for gait in shown]
     return Sheet(f"Gaits: {len(shown)}, in the order of every table", pairs, ("gait", "command"), rows)
 
@@ -72,20 +73,23 @@ def gaits(shown: GaitRepertoire) -> Sheet:
 def experiment(shown: ExperimentSettings) -> Sheet:
     """Return an experiment: who hunts whom, where, how often."""
     protocol, prey = shown.protocol, shown.prey
-    bearings = ", ".join(f"{theta:g}" for theta in protocol.thetas)
+    bearings = ", ".join(degrees(theta) for theta in protocol.thetas)
     pairs = [
         (
             "robot",
-            f"{shown.robot.name}, {len(shown.robot.gait)} gaits, top speed {1000 * shown.robot.top_speed:g} mm/s",
+            f"{shown.robot.name}, {len(shown.robot.gait)} gaits, top speed {speed(shown.robot.top_speed)}",
         ),
-        ("prey", f"{prey.behaviour}, {1000 * prey.speed:g} mm/s, starts {protocol.prey_distance:g} bodies away"),
-        ("bearings", f"{bearings} rad, {protocol.runs} runs each"),
+        ("prey", f"{prey.behaviour}, {speed(prey.speed)}, starts {protocol.prey_distance:g} bodies away"),
+        ("bearings", f"{bearings}; {protocol.runs} runs each"),
         ("a hunt", f"ends at {protocol.catch_distance:g} bodies (a catch) or after {protocol.time_limit:g} s"),
         ("learning", f"{shown.model.babbling_steps} gaits babbled, prior {shown.model.prior:g}"),
         ("planners", ", ".join(shown.planners)),
         *((f"set: {name}", ", ".join(f"{k} {v}" for k, v in chosen.items())) for name, chosen in shown.planner.items()),
     ]
-    rows = [(name, f"{_mm(a.width)} x {_mm(a.height)}" if a.walled else "no walls") for name, a in shown.arenas.items()]
+    rows = [
+        (name, f"{length(a.width)} x {length(a.height)}" if a.walled else "no walls")
+        for name, a in shown.arenas.items()
+    ]
     return Sheet(f"Experiment {clean(shown.name)}: {shown.note or 'no note'}", pairs, ("arena", "size"), rows)
 
 
@@ -95,10 +99,6 @@ def planner(shown: Shown) -> Sheet:
     known = getattr(shown, "gaits", ())
     pairs = [("gaits", ", ".join(map(clean, known)))] if known else []
     return Sheet(f"Planner {shown.name}: {summarise(type(shown))}", pairs, ("setting", "value"), rows)
-
-
-def _mm(metres: float) -> str:
-    return f"{1000 * metres:g} mm"
 
 
 #: How each class is shown.

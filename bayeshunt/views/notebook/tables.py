@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.errors import NothingObservedError
+from bayeshunt.core.units import degrees, label, length, true_minus
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.views.drawings import maps, svg
@@ -37,7 +38,7 @@ def heat_table(shown: ProbabilityTable) -> Html:
     values = shown.probability.to_numpy()
     behind = _behind(shown)
     kept = _rows_to_show(values)
-    labels, columns = list(shown.probability.index), list(shown.probability.columns)
+    labels, columns = _states(shown), list(shown.probability.columns)
     top = max(float(values.max()), 1e-300)
     rows = []
     for i in kept:
@@ -54,6 +55,12 @@ def heat_table(shown: ProbabilityTable) -> Html:
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
     return tag("div", *switches, body, note, class_="bh-table")
+
+
+def _states(shown: ProbabilityTable) -> list[str]:
+    """The bins as people read them, gaits as they are called."""
+    names = list(shown.probability.index)
+    return names if shown.variable == "Gait" else [true_minus(label(name)) for name in names]
 
 
 def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
@@ -110,9 +117,9 @@ def expected(prey: PreyModel) -> Html | None:
         return None
     return facts(
         [
-            ("expected next distance", f"{mean.distance * 1000:.1f} mm"),
-            ("expected angle", f"{math.degrees(mean.angle):.1f}° clockwise"),
-            ("expected heading", f"{math.degrees(mean.heading):.1f}° clockwise"),
+            ("expected next distance", length(mean.distance)),
+            ("expected angle", f"{true_minus(degrees(mean.angle, 1))} clockwise"),
+            ("expected heading", f"{true_minus(degrees(mean.heading, 1))} clockwise"),
         ]
     )
 
@@ -124,6 +131,7 @@ def prey_table(prey: PreyModel) -> Html:
     for labels, p, n, low, high in zip(
         frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
     ):
+        labels = [true_minus(label(name)) for name in labels]
         cells = [*labels[1:], f"{p:.3f}", n, f"{low:.3f} to {high:.3f}"]
         rows.append(row(labels[0], cells))
         if len(rows) == MOST_ROWS:

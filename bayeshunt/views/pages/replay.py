@@ -17,9 +17,11 @@ import pandas as pd
 
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core import units
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
+from bayeshunt.core.units import objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
 from bayeshunt.models.body.forward import ForwardModel
@@ -46,7 +48,7 @@ def replay_html(episode: Episode, *, model: ForwardModel | None = None, source: 
     """
     hunt = replay_data(episode, model=model, source=source)
     return render(
-        "replay.html.j2", ["page.css", "player.css"], ["player.js", "replay.js"],
+        "replay.html.j2", ["page.css", "player.css"], ["units.js", "player.js", "replay.js"],
         hunt=hunt, data=embed(hunt), version=version("bayeshunt"),
     )  # fmt: skip
 
@@ -70,7 +72,7 @@ def replay_data(
     before = [None, *(row["gait"] for row in records)]
     steps = [_step(row, settings, model, previous) for row, previous in zip(records, before, strict=False)]
     return {
-        "title": f"{planner}, {arena} arena, prey first at {theta:g} rad",
+        "title": f"{planner}, {arena} arena, prey first at {units.theta(theta)}",
         "planner": planner, "arena": arena, "theta": theta, "seed": str(seed),
         "caught": episode.caught,
         "outcome": f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
@@ -78,6 +80,7 @@ def replay_data(
         "walls": [place.width, place.height] if place.walled else None,
         "trail": _trail(episode, every),
         "steps": steps,
+        "bins": [number(width) for width in _bin_widths(settings)],
         "note": settings.note,
         "command": hunt_command(settings, planner, arena, theta, seed, source=source),
     }  # fmt: skip
@@ -100,6 +103,7 @@ def _step(
 ) -> dict[str, Any]:
     """Everything that the panels and the canvas show of one decision."""
     hunter = Pose(*(row[f"hunter_{k}"] for k in Pose._fields))
+    value, what = objective(row["value"], row["objective"])
     target = _polar(row, "target")
     predicted = _moving(_stored_path(row, "predicted"))
     plan = [str(gait) for gait in row["planned_gaits"]]
@@ -108,7 +112,7 @@ def _step(
     return {
         "number": int(row["step"]), "time": number(row["time"]), "gait": row["gait"],
         "plan": [[gait, len(list(run))] for gait, run in groupby(plan)],
-        "value": number(row["value"]), "objective": row["objective"], "nodes": int(row["nodes"]),
+        "value": number(value), "objective": what, "nodes": int(row["nodes"]),
         "seen": _numbers(_polar(row, "seen")), "target": _numbers(target),
         "aim": _world(hunter, target),
         "known": bool(row["prey_known"]), "observations": int(row["prey_observations"]),
@@ -130,19 +134,24 @@ def _bars(row: dict[str, Any], settings: ExperimentSettings) -> dict[str, Any]:
             "title": "Posterior over gaits",
             "caption": f"P(Gait | Distance, Angle) at the aim: P(evidence) {row['evidence_probability']:.3g}, "
             f"support {grounds.rows(row['support'])}, "
-            f"entropy {abs(row['posterior_entropy']):.2f} nats",
+            f"entropy {abs(row['posterior_entropy']):.2f} bits",
             "gaits": list(settings.robot.gaits.names),
             "values": [number(p) for p in row["posterior"]],
         }
     gaits, values = row.get("alternative_gaits"), row.get("alternative_values")
     if gaits is None or values is None:
         gaits = values = []
-    known = [(gait, value) for gait, value in zip(gaits, values, strict=True) if np.isfinite(value)]
+    what = objective(0.0, row["objective"])[1]
+    known = [
+        (gait, objective(value, row["objective"])[0])
+        for gait, value in zip(gaits, values, strict=True)
+        if np.isfinite(value)
+    ]
     least = dict(known).get(row["gait"], np.inf) <= min((value for _, value in known), default=0.0)
     return {
         "kind": "values",
         "title": "Values of the first gaits" if known else "Alternatives",
-        "caption": f"Least value under each first gait ({row['objective']}){'; less is better' if least else ''}. "
+        "caption": f"Least value under each first gait ({what}){'; less is better' if least else ''}. "
         "This planner has no posterior."
         if known
         else "This planner keeps neither a posterior nor a value per gait.",
@@ -207,12 +216,14 @@ def _cell_of(observed: Polar | None, rows: list[list[float]], settings: Experime
     """Row of the prey table that the transition just observed fell into; -1 if none did."""
     if observed is None or not rows:
         return -1
-    cells, model = np.array(rows), settings.model
-    widths = (
-        model.distance_bin * settings.robot.body.diameter,
-        2 * np.pi / model.angle_bins,
-        2 * np.pi / model.heading_bins,
-    )
+    cells, widths = np.array(rows), _bin_widths(settings)
     gaps = [cells[:, 0] - observed.distance, wrap(cells[:, 1] - observed.angle), wrap(cells[:, 2] - observed.heading)]
     off = [np.abs(gap) / width for gap, width in zip(gaps, widths, strict=True)]  # in bins
     return int(np.max(off, axis=0).argmin())
+
+
+def _bin_widths(settings: ExperimentSettings) -> tuple[float, float, float]:
+    """Widths of the prey table's bins: distance [m], angle, heading [rad]."""
+    model = settings.model
+    turns = (2 * np.pi / bins for bins in (model.angle_bins, model.heading_bins))
+    return (model.distance_bin * settings.robot.body.diameter, *turns)  # type: ignore[return-value]

@@ -14,6 +14,7 @@ import pandas as pd
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import DataError
+from bayeshunt.core.units import theta
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.experiments.store.export import NOT_AB_INITIO, another_model
@@ -55,8 +56,8 @@ def report_html(facts: dict[str, Any]) -> str:
     """Return the page for what :func:`report_facts` gathered."""
     hunts = [{k: v for k, v in hunt.items() if k != "thumbnail"} for s in facts["shelves"] for hunt in s.hunts]
     return render(
-        "report.html.j2", ["page.css", "player.css", "report.css"], ["player.js", "report.js"],
-        data=[embed(hunt) for hunt in hunts], **facts,
+        "report.html.j2", ["page.css", "player.css", "report.css"], ["units.js", "player.js", "report.js"],
+        data=[embed(hunt) for hunt in hunts], theta_words=theta, **facts,
     )  # fmt: skip
 
 

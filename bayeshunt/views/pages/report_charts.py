@@ -12,7 +12,10 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.units import degrees, theta
 
+#: Values of an axis and what is written there.
+Ticks = list[tuple[float, str]]
 #: Size of a chart [px]; the page scales it.
 WIDTH, HEIGHT = 440, 290
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 14, 14, 44
@@ -58,8 +61,9 @@ def success_charts(rows: list[dict[str, Any]], looks: dict[str, dict[str, Any]])
         here = [row for row in rows if row["arena"] == arena]
         names = list(dict.fromkeys(row["planner"] for row in here))
         x, y = _across(thetas), Scale(0.0, 1.0, HEIGHT - _BOTTOM, _TOP)
-        chart = _frame(f"Success by first bearing of the prey, {arena} arena", x, y, thetas, _percent_ticks())
-        chart |= {"arena": arena, "x_label": "first bearing of the prey [rad, clockwise]", "y_label": "caught"}
+        ticks = [(value, degrees(value)) for value in thetas]
+        chart = _frame(f"Success by first bearing of the prey, {arena} arena", x, y, ticks, _percent_ticks())
+        chart |= {"arena": arena, "x_label": "first bearing of the prey, clockwise", "y_label": "caught"}
         chart["series"] = [
             {**looks[name], "points": _whiskers([r for r in here if r["planner"] == name], x, y, _dodge(i, len(names)))}
             for i, name in enumerate(names)
@@ -77,7 +81,7 @@ def time_charts(
     charts, limit = [], settings.protocol.time_limit
     for arena, hunts in results.groupby("arena", sort=False):
         x, y = Scale(0.0, limit, _LEFT, WIDTH - _RIGHT), Scale(0.0, 1.0, HEIGHT - _BOTTOM, _TOP)
-        ticks = [round(limit * i / 6, 6) for i in range(7)]
+        ticks = [(at, f"{at:g}") for at in (round(limit * i / 6, 6) for i in range(7))]
         chart = _frame(f"Share caught by time, {arena} arena", x, y, ticks, _percent_ticks())
         chart |= {"arena": str(arena), "x_label": "time since the start [s]", "y_label": "caught by then"}
         chart["series"] = [
@@ -88,16 +92,16 @@ def time_charts(
     return charts
 
 
-def _frame(title: str, x: Scale, y: Scale, x_ticks: list[float], y_ticks: list[tuple[float, str]]) -> dict[str, Any]:
+def _frame(title: str, x: Scale, y: Scale, x_ticks: Ticks, y_ticks: Ticks) -> dict[str, Any]:
     return {
         "title": title, "width": WIDTH, "height": HEIGHT,
         "left": _LEFT, "right": WIDTH - _RIGHT, "top": _TOP, "bottom": HEIGHT - _BOTTOM,
-        "x_ticks": [(x(value), f"{value:g}") for value in x_ticks],
+        "x_ticks": [(x(value), label) for value, label in x_ticks],
         "y_ticks": [(y(value), label) for value, label in y_ticks],
     }  # fmt: skip
 
 
-def _percent_ticks() -> list[tuple[float, str]]:
+def _percent_ticks() -> Ticks:
     return [(i / 4, f"{25 * i} %") for i in range(5)]
 
 
@@ -117,7 +121,7 @@ def _whiskers(rows: list[dict[str, Any]], x: Scale, y: Scale, aside: float) -> l
         {
             "x": round(x(row["theta"]) + aside, 1),
             "y": y(row["success"]), "low": y(row["ci_low"]), "high": y(row["ci_high"]),
-            "text": f"{row['planner']}, theta {row['theta']:g}: {row['caught']} of {row['runs']} caught, "
+            "text": f"{row['planner']}, {theta(row['theta'])}: {row['caught']} of {row['runs']} caught, "
             f"{row['success']:.1%} ({row['ci_low']:.1%} to {row['ci_high']:.1%})",
         }
         for row in rows

@@ -19,8 +19,8 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from bayeshunt.core.units import degrees, length, objective
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
-from bayeshunt.views.units import degrees, millimetres, objective
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
@@ -46,6 +46,11 @@ def say(line: str) -> None:
     """Print one message line on stderr; what has been done does not fail because nobody can be told."""
     with contextlib.suppress(OSError):
         messages.print(line, soft_wrap=True, markup=False)
+
+
+def remark(line: str) -> None:
+    """Print one line under a result."""
+    out.print(line, style="dim", soft_wrap=True)
 
 
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
@@ -106,7 +111,7 @@ def episode_table(episode: Any) -> None:
         title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
     )  # fmt: skip
     for row in episode.frame.itertuples():
-        seen = millimetres(row.seen_distance), degrees(row.seen_angle), millimetres(row.target_distance)
+        seen = length(row.seen_distance), degrees(row.seen_angle), length(row.target_distance)
         value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
         table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
     table.print(out)
@@ -199,11 +204,10 @@ def posterior_bars(answer: Any) -> None:
         style = "bold" if gait == answer.best else None
         table.row(gait, f"{_bar(float(probability)):<{_BAR}}", f"{probability:.4f}", style=style)
     table.print(out)
-    used = ", ".join(f"{k} {v}" for k, v in answer.cell.evidence.items())
     for variable, state in answer.model.known.items():
         out.print(Text(f"{variable:<21}{state}"))
     out.print(f"asked                {answer.asked}")
-    out.print(f"{grounds.coordinate_used(answer.model):<18}   {used}")
+    out.print(f"{grounds.coordinate_used(answer.model):<18}   {grounds.cell(answer)}")
     if answer.snapped:
         out.print(f"                     ({grounds.snapped(answer)})")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")

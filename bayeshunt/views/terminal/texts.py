@@ -10,6 +10,7 @@ import numpy as np
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import ZeroCountError
+from bayeshunt.core.units import degrees, label, length, objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
@@ -20,7 +21,6 @@ from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan
 from bayeshunt.views import grounds
 from bayeshunt.views.notebook.plans import value_column
-from bayeshunt.views.units import degrees, objective
 
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _BAR = 24  # characters of a full bar
@@ -61,7 +61,7 @@ def _outcome(model: ForwardModel, index: int) -> str:
         pose = model.predict(model.gaits.names[index])
     except ZeroCountError:
         return "never babbled"
-    return f"{pose.distance * 1000:.0f} mm at {degrees(pose.angle)}, heading {degrees(pose.heading)}"
+    return f"{length(pose.distance)} at {degrees(pose.angle)}, heading {degrees(pose.heading)}"
 
 
 def inverse_model(inverse: InverseModel) -> str:
@@ -79,7 +79,6 @@ def posterior(answer: Posterior) -> str:
     """Return the posterior as bars, with what it rests on."""
     lines = [f"P(Gait | {', '.join(answer.evidence)})", ""]
     lines += bars(zip(answer.source.gaits, answer.values.tolist(), strict=True))
-    used = ", ".join(f"{name} {label}" for name, label in answer.evidence.items())
     nearest = [f"{'':<20}({grounds.snapped(answer)})"] if answer.snapped else []
     note = grounds.beyond(answer).replace(". ", ".\n").splitlines()
     return "\n".join(
@@ -87,7 +86,7 @@ def posterior(answer: Posterior) -> str:
             *lines,
             "",
             f"asked               {answer.asked}",
-            f"{grounds.coordinate_used(answer.model):<18}  {used}",
+            f"{grounds.coordinate_used(answer.model):<18}  {grounds.cell(answer)}{grounds.known(answer.model)}",
             *nearest,
             f"P(evidence)         {answer.evidence_probability:.6g}",
             f"support             {grounds.support(answer)}",
@@ -102,7 +101,7 @@ def probability_table(shown: ProbabilityTable) -> str:
     counts = None if shown.count is None else shown.count.to_numpy().sum(axis=1)
     kept = np.flatnonzero(values.any(axis=1) if counts is None or not counts.any() else counts)[:_MOST_ROWS]
     labels, head = list(shown.probability.index), [shown.variable, *map(clean, shown.probability.columns)]
-    rows = [[clean(labels[i]), *("·" if p == 0 else f"{p:.3f}" for p in values[i])] for i in kept]
+    rows = [[clean(_state(shown, labels[i])), *("·" if p == 0 else f"{p:.3f}" for p in values[i])] for i in kept]
     left = len(labels) - len(kept)
     more = f"{left} more bins"
     if counts is not None:
@@ -112,6 +111,11 @@ def probability_table(shown: ProbabilityTable) -> str:
     return "\n".join([shown.name, "", *align(head, rows), *([f"({more})"] if left else [])])
 
 
+def _state(shown: ProbabilityTable, name: str) -> str:
+    """A bin as people read it, a gait as it is called."""
+    return name if shown.variable == "Gait" else label(name)
+
+
 def prey_model(prey: PreyModel) -> str:
     """Return the transitions seen, the most frequent first, with their intervals."""
     head = f"Prey model: {prey.observations} transitions, in the prey's own earlier frame"
@@ -119,7 +123,7 @@ def prey_model(prey: PreyModel) -> str:
         return f"{head}\nnothing observed yet, so nothing can be predicted"
     frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
     rows = [
-        [*labels, f"{p:.3f}", str(n), f"{low:.3f} to {high:.3f}"]
+        [*map(label, labels), f"{p:.3f}", str(n), f"{low:.3f} to {high:.3f}"]
         for labels, p, n, low, high in zip(
             frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
         )

@@ -1,0 +1,248 @@
+"""Tables of counted rows: all together, or by what went before.
+
+In the second kind momentum carries over: the paper's network has a second cause,
+``P(PreviousGait) P(Gait) prod_v P(v | Gait, PreviousGait)`` for v in Distance, Angle, Heading. Its tables are those of
+one naive Bayes model for each gait before, which :meth:`ContextTables.given` returns.
+
+Before the first decision of a hunt there is no gait before. The data have a single such row a table (the
+robot at rest; one a shard of a large table), too few for tables of their own, so that row is not counted,
+and PreviousGait is then simply not known: it is summed over,
+``P(v.. | Gait) = sum_p P(PreviousGait = p) P(v.. | Gait, p)``, as the network's own inference does. P(PreviousGait) is
+set as P(Gait) is: uniform (``gait_prior="uniform"``, the robot chooses), or the share of the rows.
+Letters: G gaits, K bins of a variable, P part-way poses of a gait.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core import statistics
+from bayeshunt.core.checks import check_pseudo_count
+from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts, previous_codes
+from bayeshunt.models.tables.effects import IndependentEffects, JointEffects, compile_effects, local_tables
+from bayeshunt.models.tables.sources import TableSource
+from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
+
+__all__ = ["GAIT_PRIORS", "ContextTables", "CountedTables", "tables_of"]
+
+#: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
+GAIT_PRIORS = ("uniform", "empirical")
+
+
+@dataclass(frozen=True)
+class CountedTables(TableSource):
+    """Tables of rows counted together.
+
+    pooled: of a part of a model, the tables of all its rows. P(Gait) is theirs, because the robot chooses
+        whatever went before; so are poses and learned coordinates where the part has no rows.
+    """
+
+    joint: JointCounts
+    prior: float = 0.0
+    gait_prior: str = "uniform"
+    structure: Structure = NAIVE
+    known: Mapping[str, str] = field(default_factory=dict, hash=False)
+    pooled: CountedTables | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "prior", check_settings(self.prior, self.gait_prior))
+        if depends_on_previous(self.structure):
+            raise InputError("this structure needs counts by the gait before; fit it: ForwardModel.fit")
+
+    @cached_property
+    def effects(self) -> IndependentEffects | JointEffects:
+        """P(Distance, Angle, Heading | Gait)."""
+        return compile_effects(self.structure, self.joint, self.prior)
+
+    @cached_property
+    def causes(self) -> dict[str, np.ndarray]:
+        """P(Gait) [G]."""
+        if self.pooled is not None:
+            return self.pooled.causes
+        return {"Gait": _share(self.joint.marginal("Gait"), self.prior, self.gait_prior, "Gait")}
+
+    @property
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted; of all rows if these are none."""
+        if self.pooled is not None and not self.joint.total:
+            return self.pooled.learned_cells
+        return np.argwhere(self.joint.support > 0)
+
+    @cached_property
+    def mean_paths(self) -> np.ndarray | None:
+        """Mean path of each gait [G, P + 1, 3], exact sums of the rows; of a gait without rows here: of all rows."""
+        if not (self.joint if self.pooled is None else self.pooled.joint).points:
+            return None
+        paths = np.stack([self._mean_path(gait) for gait in range(len(self.gaits))])
+        paths.setflags(write=False)
+        return paths
+
+    def mean_pose(self, gait: int) -> np.ndarray:
+        """Return the mean final pose [3] of the rows themselves; of a gait without rows here, of all rows."""
+        pose: np.ndarray = self._mean_path(gait)[-1]
+        return pose
+
+    def _mean_path(self, gait: int) -> np.ndarray:
+        if self.pooled is not None and not self.joint.marginal("Gait")[gait]:
+            return self.pooled.joint.mean_poses(gait)
+        return self.joint.mean_poses(gait)
+
+    def select(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows of this context; all, if there is none."""
+        if PREVIOUS not in self.known:
+            return rows
+        here = np.flatnonzero(previous_codes(rows, self.gaits) == self.gaits.index(self.known[PREVIOUS]))
+        return rows.iloc[here]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Without what is derived: a worker process makes it again, faster than it could receive it.
+        return CountedTables, (self.joint, self.prior, self.gait_prior, self.structure, dict(self.known), self.pooled)
+
+
+@dataclass(frozen=True)
+class ContextTables(TableSource):
+    """Tables of rows counted by the gait before: P(effect | Gait, PreviousGait).
+
+    by_previous: the counts of the rows after each gait; ``joint`` holds the same rows together.
+
+    Asked directly, they answer as if the gait before were not known (summed over); :meth:`given` has the
+    tables after one that is. Poses and learned coordinates are those of all rows.
+    """
+
+    by_previous: PreviousCounts
+    prior: float = 0.0
+    gait_prior: str = "uniform"
+    structure: Structure = PREVIOUS_GAIT
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "prior", check_settings(self.prior, self.gait_prior))
+        if self.structure != PREVIOUS_GAIT:
+            raise InputError("this structure is fitted to JointCounts; counts by the gait before are for previous_gait")
+
+    @property
+    def known(self) -> Mapping[str, str]:  # type: ignore[override]
+        """Nothing: the gait before is summed over."""
+        return {}
+
+    @property
+    def joint(self) -> JointCounts:  # type: ignore[override]
+        """All rows, whatever gait went before."""
+        return self.by_previous.joint
+
+    @property
+    def counted(self) -> PreviousCounts:
+        """The counts by the gait before."""
+        return self.by_previous
+
+    @cached_property
+    def pooled(self) -> CountedTables:
+        """The paper's tables of all rows."""
+        return CountedTables(self.joint, self.prior, self.gait_prior)
+
+    @cached_property
+    def effects(self) -> JointEffects:
+        """P(Distance, Angle, Heading | Gait), the gait before summed over."""
+        local = local_tables(PREVIOUS_GAIT, self.cells, self.prior)
+        sizes = (len(self.gaits), *self.axes.shape)
+        return JointEffects.of_tables(PREVIOUS_GAIT, local, sizes, {PREVIOUS: self.causes[PREVIOUS]})
+
+    @cached_property
+    def causes(self) -> dict[str, np.ndarray]:
+        """P(PreviousGait) [G] and P(Gait) [G]."""
+        before = _share(self.by_previous.pairs.sum(axis=1), self.prior, self.gait_prior, PREVIOUS)
+        return {PREVIOUS: before, **self.pooled.causes}
+
+    @property
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted."""
+        return self.pooled.learned_cells
+
+    @property
+    def mean_paths(self) -> np.ndarray | None:
+        """Mean path of each gait [G, P + 1, 3] over all rows."""
+        return self.pooled.mean_paths
+
+    def mean_pose(self, gait: int) -> np.ndarray:
+        """Return the mean final pose [3] over all rows."""
+        return self.pooled.mean_pose(gait)
+
+    def given(self, context: Mapping[str, str]) -> TableSource:
+        """Return naive Bayes given ``PreviousGait``: the tables of the rows after that gait."""
+        if PREVIOUS not in context:
+            return self
+        part = self.by_previous.after[self.gaits.index(context[PREVIOUS])]
+        return CountedTables(part, self.prior, self.gait_prior, NAIVE, dict(context), self.pooled)
+
+    def log_likelihood(self, seen: JointCounts | PreviousCounts) -> float:
+        """Return the sum over rows of log P(Gait) + log P(effects | Gait, PreviousGait); -inf if one is 0."""
+        if isinstance(seen, JointCounts):
+            raise InputError("structure 'previous_gait' needs PreviousCounts: these do not know the gait before")
+        parts = zip(self.gaits.names, seen.after, strict=True)
+        return sum(self.given({PREVIOUS: name}).log_likelihood(part) for name, part in parts if part.total)
+
+    def select(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows that a gait went before."""
+        return rows.iloc[np.flatnonzero(previous_codes(rows, self.gaits) >= 0)]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ContextTables, (self.by_previous, self.prior, self.gait_prior)
+
+
+def tables_of(
+    counts: JointCounts | PreviousCounts, prior: float, gait_prior: str, structure: Structure | None = None
+) -> CountedTables | ContextTables:
+    """Return the tables of counted rows; the structure is by default the simplest of their kind.
+
+    Raises InputError for a structure of the other kind, a bad prior or gait prior.
+    """
+    if isinstance(counts, PreviousCounts):
+        return ContextTables(counts, prior, gait_prior, PREVIOUS_GAIT if structure is None else structure)
+    return CountedTables(counts, prior, gait_prior, NAIVE if structure is None else structure)
+
+
+def check_every_gait_seen(tables: CountedTables | ContextTables) -> None:
+    """Raise DataError if prior 0 leaves a gait, or a gait after another, without any row to go by."""
+    if tables.prior > 0:
+        return
+    names, unseen = tables.gaits.names, np.flatnonzero(tables.joint.marginal("Gait") == 0)
+    if unseen.size:
+        raise DataError(f"gait {names[int(unseen[0])]!r} has no rows; babble it, or fit with a prior > 0")
+    if isinstance(tables, ContextTables) and len(pairs := np.argwhere(tables.by_previous.pairs == 0)):
+        before, gait = (names[i] for i in pairs[0])
+        raise DataError(
+            f"structure 'previous_gait': gait {gait!r} was never babbled right after {before!r} ({len(pairs)} of "
+            f"{len(names) ** 2} pairs are missing); babble more, or fit with a prior > 0"
+        )
+
+
+def shares(tables: CountedTables | ContextTables) -> dict[str, np.ndarray]:
+    """Return P(cause) [G] of each cause as the rows have it."""
+    rows = {"Gait": tables.joint.marginal("Gait")}
+    if isinstance(tables, ContextTables):
+        rows = {PREVIOUS: tables.by_previous.pairs.sum(axis=1), **rows}
+    return {cause: _share(counts, tables.prior, "empirical", cause) for cause, counts in rows.items()}
+
+
+def check_settings(prior: Any, gait_prior: Any) -> float:
+    """Return the prior as a float; raises InputError for a prior or gait prior out of range."""
+    if gait_prior not in GAIT_PRIORS:
+        raise InputError(f"gait_prior is {gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
+    return check_pseudo_count(prior, "prior")
+
+
+def _share(counts: np.ndarray, prior: float, how: str, name: str) -> np.ndarray:
+    """P(cause) [G]: uniform, or the share of ``counts``; read-only."""
+    if how == "uniform":
+        share = np.full(len(counts), 1.0 / len(counts))
+    else:
+        share = statistics.normalise(counts[:, None], prior, name=name)[:, 0]
+    share.setflags(write=False)
+    return share

@@ -1,0 +1,130 @@
+"""Where a forward model's tables come from: counted rows, rows counted by context, or another program's network.
+
+A source knows the gaits, the bins and every table, and what may be asked beyond them: counts, means of the rows,
+the tables in a context. :class:`bayeshunt.models.body.forward.ForwardModel` is one class over any source.
+Letters: G gaits, K bins of a variable, D and A bins of Distance and Angle, P part-way poses of a gait.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.tables import network
+from bayeshunt.models.tables.effects import IndependentEffects, JointEffects
+from bayeshunt.models.tables.structures import PREVIOUS, Structure, depends_on_previous
+
+__all__ = ["TableSource"]
+
+
+class TableSource(ABC):
+    """The tables of one network, immutable.
+
+    joint: the rows counted, whatever their context; of given tables: gaits and bins, nothing counted.
+    prior: Dirichlet pseudo-count per cell. gait_prior: "uniform" or "empirical".
+    structure: the edges. known: states of other variables that the tables are conditioned on.
+    """
+
+    joint: JointCounts
+    prior: float
+    gait_prior: str
+    structure: Structure
+    known: Mapping[str, str]
+
+    # --- what it is of ------------------------------------------------------------------------
+
+    @property
+    def gaits(self) -> GaitRepertoire:
+        """The repertoire, in table order."""
+        return self.joint.gaits
+
+    @property
+    def axes(self) -> EffectAxes:
+        """The bins of Distance, Angle and Heading."""
+        return self.joint.axes
+
+    @property
+    def states(self) -> dict[str, list[str]]:
+        """Names of the states of each variable of the network: gait names and bin labels, in table order."""
+        before = {PREVIOUS: list(self.gaits.names)} if depends_on_previous(self.structure) else {}
+        return {**before, **network.state_names(self.gaits, self.axes)}
+
+    # --- probabilities ------------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def effects(self) -> IndependentEffects | JointEffects:
+        """P(Distance, Angle, Heading | Gait), other causes summed over; ZeroCountError if there is none."""
+
+    @property
+    @abstractmethod
+    def causes(self) -> dict[str, np.ndarray]:
+        """P(cause) [G] of each cause of the structure, PreviousGait first."""
+
+    # --- counts -------------------------------------------------------------------------------
+
+    @property
+    def support(self) -> np.ndarray | None:
+        """Int64 [D, A]: rows in each (Distance, Angle) cell; None where nobody knows the counts."""
+        return self.joint.support
+
+    @property
+    def counted(self) -> JointCounts | PreviousCounts:
+        """The sufficient statistics that the tables are made of."""
+        return self.joint
+
+    @property
+    def cells(self) -> CountedCells:
+        """The counts over every variable of the network."""
+        return self.counted.table
+
+    def count(self, rows: pd.DataFrame) -> JointCounts | PreviousCounts:
+        """Return the counts of further rows, of the kind of :attr:`counted`; DataError if they are wrong."""
+        return type(self.counted).of(rows, self.gaits, self.axes)
+
+    def select(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return those of ``rows`` that such tables count."""
+        return rows
+
+    # --- what the robot does ------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def learned_cells(self) -> np.ndarray:
+        """Int64 [M, 2]: the (Distance, Angle) bins that can be reached, as far as is known; sorted."""
+
+    @property
+    @abstractmethod
+    def mean_paths(self) -> np.ndarray | None:
+        """Float64 [G, P + 1, 3]: mean forward [m], right [m] and heading [rad] part-way; None if unknown."""
+
+    @abstractmethod
+    def mean_pose(self, gait: int) -> np.ndarray:
+        """Return float64 [3]: mean forward [m], right [m], heading [rad] at the end; ZeroCountError if unknown."""
+
+    def given(self, context: Mapping[str, str]) -> TableSource:
+        """Return the tables in a context, {"PreviousGait": name}; these, if it makes no difference to them."""
+        return self
+
+    def log_likelihood(self, seen: JointCounts | PreviousCounts) -> float:
+        """Return the sum over the rows of ``seen`` of log P(Gait) + log P(effects | causes); -inf if one is 0."""
+        seen = seen.joint if isinstance(seen, PreviousCounts) else seen
+        if seen.axes.distance.bins > self.axes.distance.bins:
+            return -math.inf
+        with np.errstate(divide="ignore"):
+            logs = np.log(self.causes["Gait"][seen.cells[:, 0]]) + self.effects.log_probability(seen.cells)
+        return float(np.sum(seen.counts * logs))
+
+    @property
+    def local(self) -> dict[str, np.ndarray]:
+        """The network's own tables: each cause [G], P(effect | parents) [K, ...parents] of each effect."""
+        return {**self.causes, **{effect: self.effects.local[effect] for effect in EFFECTS}}

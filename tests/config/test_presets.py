@@ -1,0 +1,29 @@
+"""The presets that ship, and what each says of itself."""
+
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.config.loading import preset_names
+
+
+def test_what_ships():
+    assert preset_names() == ["oses2010", "paper"]
+    assert {bh.load_experiment(name).robot.name for name in preset_names()} == {"khepera", "khepera_oses2010"}
+
+
+@pytest.mark.parametrize("name", ["oses2010", "paper"])
+def test_each_note_says_fitted_to_what_and_not_unique(name):
+    note = bh.load_experiment(name).note
+    for word in ("Fitted", "free numbers against", "report", "not unique"):
+        assert word.lower() in note.lower()
+    assert "\n" not in note
+
+
+def test_the_robot_of_oses2010():
+    robot = bh.load_robot("khepera_oses2010")
+    assert robot == bh.load_experiment("oses2010").robot
+    assert robot.top_speed / bh.load_experiment("oses2010").prey.speed == pytest.approx(1.224, abs=5e-4)
+    mirrored = {(g.right, g.left) for g in robot.gait}
+    assert all((g.left, g.right) in mirrored for g in robot.gait)
+    for gait in robot.gait:  # a right gait drives its left wheel faster
+        assert (gait.left > gait.right) == gait.name.startswith("right")
