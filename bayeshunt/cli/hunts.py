@@ -56,7 +56,7 @@ def hunt(
 
     check_radians(theta, "--theta")  # before anything is babbled
     settings = read_experiment(preset, config, overrides, model)
-    check_names(settings, [planner], [arena])
+    check_names(settings, [planner], [arena], hunting=True)
     forward = load_or_learn(model, settings, babbling_seed, quiet=as_json)
     with terminal.progress_bar("hunting", None, quiet=as_json):  # nobody knows how long it takes
         rooms = learn_rooms(settings, [planner], [arena], babbling_seed, forward)

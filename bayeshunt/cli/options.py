@@ -66,11 +66,15 @@ def read_experiment(
     model: a model whose robot decides where neither preset nor settings are named; :func:`say_chosen` says so.
     """
     from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
+    from bayeshunt.experiments.preparation import check_planners
 
     changes = parse_overrides(overrides)
     if model is not None and not (preset or config):
-        return _experiment_of(model, changes)
-    return load_experiment(config or preset or DEFAULT_PRESET, changes)
+        settings = _experiment_of(model, changes)
+    else:
+        settings = load_experiment(config or preset or DEFAULT_PRESET, changes)
+    check_planners(settings, ())
+    return settings
 
 
 def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
@@ -126,13 +130,17 @@ def toml_value(text: str) -> Any:
         return text
 
 
-def check_names(settings: Any, planners: list[str] | None, arenas: list[str] | None) -> list[str]:
-    """Return the planners to run; InputError for an unknown planner or arena, before any work."""
-    from bayeshunt.planners.registry import find_planner
+def check_names(
+    settings: Any, planners: list[str] | None, arenas: list[str] | None, *, hunting: bool = False
+) -> list[str]:
+    """Return the planners to run; InputError for an unknown planner or arena, before any work.
+
+    hunting: whether they must be planners that hunt, so that bounds are refused too.
+    """
+    from bayeshunt.experiments.preparation import check_planners
 
     chosen = list(planners or settings.planners)
-    for name in chosen:
-        find_planner(name)
+    check_planners(settings, chosen, hunting=hunting)
     for name in arenas or ():
         if name not in settings.arenas:
             raise InputError(f"unknown arena {name!r}{did_you_mean(name, settings.arenas)}")

@@ -84,7 +84,7 @@ def remember(
     from bayeshunt.views.terminal import terminal
 
     settings = read_experiment(preset, config, overrides)
-    check_names(settings, [planner], arena)
+    check_names(settings, [planner], arena, hunting=True)
     total = len(settings.protocol.thetas) * max(runs, 0) * len(arena or settings.arenas)
     with terminal.progress_bar("watching", total, quiet=quiet or as_json) as advance:
         memory = memories.remember(settings, arenas=arena, planner=planner, runs=runs, seed=seed, progress=advance)

@@ -18,13 +18,14 @@ from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_radians, check_whole
-from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.task import Task
 from bayeshunt.episodes.episode import Episode, Step
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
+from bayeshunt.planners.asking import ask, check_can_plan
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
+from bayeshunt.planners.registry import check_sections, foresight_of
 from bayeshunt.worlds.box2d.arena import Arena, Moment, Streams
 from bayeshunt.worlds.foresight import foresee
 
@@ -63,8 +64,8 @@ def hunt(
     Raises InputError for an unknown arena or a seed or theta that is not a number in range.
     """
     settings = load_experiment(experiment)
-    if not callable(getattr(planner, "plan", None)):
-        raise InputError(f'planner: expected one made by make_planner("planning", model), got {planner!r}')
+    check_sections(settings.planner)
+    check_can_plan(planner)
     steps: list[Step] = []
     trail: list[Moment] = []
     trial = _Trial(settings, arena, theta, seed, prey_model, trail)
@@ -133,8 +134,8 @@ class _Trial:
     def decide(self, planner: Planner) -> Iterator[tuple[Situation, Plan, Moment, Polar | None]]:
         """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
         arena, robot = self.arena, self.settings.robot
-        previous_gait = None
-        foresight = float(getattr(planner, "foresight", 0.0)) if getattr(planner, "needs_future", False) else 0.0
+        previous_gait, gaits = None, robot.gaits
+        foresight = foresight_of(planner)
         previous: Moment | None = None
         transitions: tuple[Polar, ...] = ()
         while not arena.caught and (left := self._time_left()) > 0:
@@ -149,12 +150,12 @@ class _Trial:
                 transitions=transitions, pose=in_frame(moment.hunter, self.start),
                 future=self._future(foresight) if foresight else None, task=self.task,
             )  # fmt: skip
-            plan = planner.plan(situation, rng=self.rng)
+            plan = ask(planner, situation, self.rng, gaits)
             yield situation, plan, moment, observed
             self.decisions += 1
             self.transitions += previous_gait is not None and plan.gait != previous_gait
             previous, previous_gait = moment, plan.gait
-            command = robot.gaits[plan.gait].command
+            command = gaits[plan.gait].command
             arena.run(command, min(robot.gait_duration, left), self.trail)
             end = arena.hunter.pose
             self.distance += math.hypot(end.x - moment.hunter.x, end.y - moment.hunter.y)

@@ -12,8 +12,21 @@ from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
-from bayeshunt.planners.registry import explores, make_planner
+from bayeshunt.planners.registry import check_hunts, check_needs, check_sections, explores, make_planner
 from bayeshunt.worlds.exploring import explore
+
+
+def check_planners(settings: ExperimentSettings, planners: Iterable[str], *, hunting: bool = False) -> None:
+    """Raise InputError for what is wrong with planners or their settings, as far as that shows before any work.
+
+    planners: the names of those to run; a section of settings for any other must be right too.
+    hunting: whether they must be planners that hunt, so that bounds are refused.
+    """
+    check_sections(settings.planner)
+    for name in planners:
+        check_needs(name, settings.planner.get(name, {}))
+        if hunting:
+            check_hunts(name)
 
 
 def learn_room(
@@ -31,6 +44,7 @@ def learn_room(
     every step of either. Raises InputError for an unknown arena or a wrong number.
     """
     settings = load_experiment(experiment)
+    check_planners(settings, ())
     if arena not in settings.arenas:
         raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     track = explore(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import pandas as pd
@@ -28,6 +28,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.task import CATCH_BODIES, Task
+from bayeshunt.planners.info import FUTURE, PlannerInfo
 
 
 @runtime_checkable
@@ -229,9 +230,25 @@ class Planner(Protocol):
 
 
 class Shown:
-    """A planner that shows itself: in one line, as text, and in a notebook."""
+    """A planner that shows itself: in one line, as text, and in a notebook; ``info`` says what sets it apart."""
 
     name: str
+    info: ClassVar[PlannerInfo] = PlannerInfo()
+
+    @property
+    def ab_initio(self) -> bool:
+        """Whether it learns all it knows within the run."""
+        return self.info.ab_initio
+
+    @property
+    def standalone(self) -> bool:
+        """Whether a forward model alone makes it and a situation alone lets it decide."""
+        return self.info.standalone
+
+    @property
+    def needs_future(self) -> bool:
+        """Whether it is to be told the prey's true future."""
+        return FUTURE in self.info.needs
 
     def chosen(self) -> dict[str, Any]:
         """Return the settings that were chosen, by name: plain values only."""

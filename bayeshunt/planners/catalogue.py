@@ -15,7 +15,8 @@ import typing
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from bayeshunt.planners.registry import Factory, explores, find_planner, is_ab_initio, is_shipped
+from bayeshunt.planners.info import FUTURE
+from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped, made_by
 
 #: Default of a room that a planner learns by babbling in its arena.
 BABBLED = "babbled"
@@ -65,14 +66,14 @@ class PlannerFacts(NamedTuple):
 
 def describe_planner(name: str) -> PlannerFacts:
     """Return what is known of a registered planner; InputError for another name."""
-    factory, accepted = find_planner(name)
+    factory, accepted, info, _ = find_planner(name)
     kind, group = _made(factory)
     fields = {key: value for key, value in _fields(factory, group) if accepted is None or key in accepted}
     texts = [text for place in (group, kind, factory) for text in _docstrings(place)]
     meanings = _meanings(texts, tuple(fields))
     settings = tuple(_setting(key, *fields[key], meanings.get(key, [""])) for key in fields)
-    if explores(name):
-        settings = tuple(s._replace(default=BABBLED) if s.name == "room" else s for s in settings)
+    if info.prepare is not None:
+        settings = tuple(s._replace(default=BABBLED) if s.name == info.prepare else s for s in settings)
     own = inspect.cleandoc(kind.__doc__ or "")
     return PlannerFacts(
         name=name,
@@ -81,8 +82,8 @@ def describe_planner(name: str) -> PlannerFacts:
         reference=_reference(own),
         ab_initio=is_ab_initio(name),
         shipped=is_shipped(name),
-        needs={s.name: _maker(s.meaning) for s in settings if s.kind == "file" and s.default != BABBLED},
-        needs_future=bool(getattr(kind, "needs_future", False)),
+        needs={s.name: info.maker or _maker(s.meaning) for s in settings if s.kind == "file" and s.default != BABBLED},
+        needs_future=FUTURE in info.needs,
         settings=settings,
     )
 
@@ -95,7 +96,7 @@ def summarise(kind: Any) -> str:
 
 def _made(factory: Factory) -> tuple[Any, type | None]:
     """Return the class that a factory makes, and the dataclass of its settings if it takes one."""
-    kind: Any = factory if isinstance(factory, type) else _hints(factory).get("return", factory)
+    kind = made_by(factory)
     group = None
     for hint in _hints(kind.__init__).values() if isinstance(kind, type) else ():  # type: ignore[misc]
         group = next((h for h in (hint, *typing.get_args(hint)) if _is_settings(h)), group)

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Collection, Iterable
-from typing import Any
+import typing
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any, NamedTuple
 
 from bayeshunt.core.checks import check_kind
-from bayeshunt.core.errors import InputError, did_you_mean
+from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
+from bayeshunt.planners.asking import Timed, check_can_plan, failure
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.bounds.omniscient import Omniscient
 from bayeshunt.planners.bounds.reference import Reference
 from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
-from bayeshunt.planners.interception.belief import BeliefSettings, belief
-from bayeshunt.planners.interception.intercept import InterceptSettings, intercept
-from bayeshunt.planners.interception.intercept_room import RoomGuessSettings, intercept_room
+from bayeshunt.planners.info import PlannerInfo, read_marks
+from bayeshunt.planners.interception.belief import BeliefPlanner, BeliefSettings, belief
+from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, intercept
+from bayeshunt.planners.interception.intercept_room import InterceptRoomPlanner, RoomGuessSettings, intercept_room
 from bayeshunt.planners.interception.intercept_walls import SETTINGS as ROOM_SETTINGS
 from bayeshunt.planners.interception.intercept_walls import intercept_walls
-from bayeshunt.planners.paper.planning import PlanningSettings, planning
+from bayeshunt.planners.paper.planning import PlanningPlanner, PlanningSettings, planning
 from bayeshunt.planners.paper.prediction import PredictionPlanner
 from bayeshunt.planners.paper.reactive import ReactivePlanner
 from bayeshunt.planners.sequences.frugal import Frugal
@@ -30,20 +33,31 @@ from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
 Factory = Callable[..., Planner]
 
 
-@dataclasses.dataclass(frozen=True)
-class _Entry:
+class Registered(NamedTuple):
+    """A registered planner: what makes it, the names of its settings, what sets it apart.
+
+    settings: None if the factory checks its own. said: whether ``info`` was given, not read from its marks.
+    """
+
     factory: Factory
-    settings: tuple[str, ...] | None  # None: the factory checks its own
+    settings: tuple[str, ...] | None
+    info: PlannerInfo
+    said: bool
 
 
-_REGISTRY: dict[str, _Entry] = {}
+_REGISTRY: dict[str, Registered] = {}
+#: Classes that have been made by a factory registered with an ``info``, which says more than their marks.
+_MADE: dict[type, PlannerInfo] = {}
 
 
-def register_planner(name: str, factory: Factory, *, settings: Iterable[str] | None = None) -> None:
+def register_planner(
+    name: str, factory: Factory, *, settings: Iterable[str] | None = None, info: PlannerInfo | None = None
+) -> None:
     """Make ``factory(model, **settings)`` known as ``name`` in this process.
 
     settings: the names it accepts; by default the factory's named parameters after the first.
-    Raises InputError if the name is empty or taken.
+    info: what sets it apart; by default the marks of the factory, and of the class that it returns, say it.
+    Raises InputError if the name is empty or taken, or an argument is of another kind.
     """
     if not isinstance(name, str) or not name.strip():
         raise InputError(f"a planner needs a name, got {name!r}")
@@ -51,66 +65,128 @@ def register_planner(name: str, factory: Factory, *, settings: Iterable[str] | N
         raise InputError(f"a planner called {name!r} is registered already; choose another name")
     if not callable(factory):
         raise InputError(f"planner {name!r}: expected a function that makes it, got {factory!r}")
+    if info is not None:
+        check_kind(info, f"planner {name!r}: info", PlannerInfo, "a PlannerInfo")
     accepted = _parameters(factory) if settings is None else tuple(settings)
-    _REGISTRY[name] = _Entry(factory, accepted)
+    known = read_marks(factory, read_marks(made_by(factory))) if info is None else info
+    _REGISTRY[name] = Registered(factory, accepted, known, info is not None)
+
+
+def made_by(factory: Factory) -> Any:
+    """Return the class that a factory makes, as far as it says so; else the factory itself."""
+    if isinstance(factory, type):
+        return factory
+    try:
+        return typing.get_type_hints(factory).get("return", factory)
+    except (NameError, TypeError, AttributeError):  # somebody's own annotations that cannot be looked up
+        return factory
 
 
 def planner_names(*, standalone: bool = False) -> tuple[str, ...]:
     """Return the names of all registered planners, in order of registration.
 
     standalone: only those that a forward model alone makes and a situation alone lets decide; the others
-        need a table, the room of their arena or the prey's future, and say so (``standalone = False``).
+        need a table, the room of their arena or the prey's future, and say so.
     """
-    return tuple(n for n, e in _REGISTRY.items() if not standalone or getattr(e.factory, "standalone", True))
+    return tuple(name for name, entry in _REGISTRY.items() if not standalone or entry.info.standalone)
+
+
+def planner_info(name: str) -> PlannerInfo:
+    """Return what sets a registered planner apart; nothing does for a name that is not registered."""
+    entry = _REGISTRY.get(name)
+    return PlannerInfo() if entry is None else entry.info
+
+
+def info_of(planner: Planner) -> PlannerInfo:
+    """Return what sets apart a planner that was made: what its registration said, or else its own marks."""
+    planner = planner.planner if isinstance(planner, Timed) else planner
+    return _MADE.get(type(planner)) or read_marks(planner)
+
+
+def foresight_of(planner: Planner) -> float:
+    """Return how much of the prey's true future a decision of a planner needs [s]; 0: none."""
+    return info_of(planner).seconds(planner.planner if isinstance(planner, Timed) else planner)
 
 
 def is_ab_initio(name: str, given: Collection[str] = ()) -> bool:
     """Return whether a planner learns all it knows within the run (False too for bounds told the future).
 
     given: names of the settings that the experiment gives it; a room from a file was learned in another run.
-    The mark is the attribute ``ab_initio`` of the planner's class; without one, and for a name that is
-    not registered, it is taken to be True.
+    A name that is not registered is taken to be ab initio.
     """
-    entry = _REGISTRY.get(name)
-    if entry is None:
-        return True
-    told = getattr(entry.factory, "explores", False) and "room" in given
-    return bool(getattr(entry.factory, "ab_initio", True)) and not told
+    info = planner_info(name)
+    return info.ab_initio and info.prepare not in given
 
 
 def explores(name: str, given: Collection[str] = ()) -> bool:
     """Return whether a planner is to babble in its arena before it hunts there.
 
-    It is if its class or factory says ``explores = True`` (it takes a RoomModel as setting ``room``) and
-    ``given``, the names of the settings that the experiment gives it, does not hold "room".
+    It is if an evaluation prepares its room and ``given``, the names of the settings that the experiment
+    gives it, does not hold that.
     """
-    entry = _REGISTRY.get(name)
-    return entry is not None and bool(getattr(entry.factory, "explores", False)) and "room" not in given
+    info = planner_info(name)
+    return info.prepare is not None and info.prepare not in given
 
 
 def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
     """Return the planner called ``name`` for a fitted forward model.
 
-    Raises InputError for an unknown name or an unknown or wrong setting.
+    Raises InputError for an unknown name or an unknown or wrong setting, or if somebody's own factory fails.
     """
-    factory, accepted = find_planner(name)
-    for setting in settings if accepted is not None else ():
-        if setting not in accepted:  # type: ignore[operator]
-            raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, accepted)}")
+    entry = find_planner(name)
+    _check_names(name, settings)
     check_kind(model, f"planner {name!r}", ForwardModel, "a ForwardModel to plan with")
-    return factory(model, **settings)
+    try:
+        planner = entry.factory(model, **settings)
+    except BayesHuntError:
+        raise
+    except Exception as error:
+        if is_shipped(name):
+            raise
+        raise InputError(f"planner {name!r} cannot be made: {failure(error)}") from error
+    try:
+        check_can_plan(planner, named=False)
+    except InputError as error:
+        raise InputError(f"planner {name!r}: its factory does not return a planner; {error}") from None
+    if entry.said:
+        _MADE[type(planner)] = entry.info
+    return planner
 
 
-def find_planner(name: str) -> tuple[Factory, tuple[str, ...] | None]:
-    """Return the factory of a registered planner and the names of its settings (None: it checks its own).
-
-    Raises InputError for an unknown name.
-    """
+def find_planner(name: str) -> Registered:
+    """Return a registered planner; InputError for an unknown name."""
     entry = _REGISTRY.get(name) if isinstance(name, str) else None
     if entry is None:
         hint = did_you_mean(name, planner_names(), listed=False)
         raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}{hint}")
-    return entry.factory, entry.settings
+    return entry
+
+
+def check_sections(sections: Mapping[str, Mapping[str, Any]]) -> None:
+    """Raise InputError unless every section is one of a registered planner's settings: name -> settings by name."""
+    for name, settings in sections.items():
+        if name not in _REGISTRY:
+            raise InputError(f"unknown planner {name!r}{did_you_mean(name, planner_names())}")
+        _check_names(name, settings)
+
+
+def check_hunts(name: str) -> None:
+    """Raise InputError unless the planner called ``name`` is one that hunts."""
+    if not find_planner(name).info.hunts:
+        raise InputError(f"{name} is a bound that no gaits reach: it can be evaluated, not hunted with")
+
+
+def check_needs(name: str, given: Mapping[str, Any]) -> None:
+    """Raise InputError unless the settings ``given`` to a planner hold all that it cannot do without."""
+    find_planner(name).info.check_given(name, given)
+
+
+def _check_names(name: str, settings: Mapping[str, Any]) -> None:
+    """Raise InputError for a setting that the planner called ``name`` does not have."""
+    accepted = find_planner(name).settings
+    for setting in settings if accepted is not None else ():
+        if setting not in accepted:  # type: ignore[operator]
+            raise InputError(f"planner {name!r} has no setting {setting!r}{_hint(setting, accepted)}")
 
 
 def _parameters(factory: Factory) -> tuple[str, ...] | None:
@@ -129,7 +205,9 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
 
 register_planner("reactive", ReactivePlanner)
 register_planner("prediction", PredictionPlanner)
-register_planner("planning", planning, settings=[f.name for f in dataclasses.fields(PlanningSettings)])
+register_planner(
+    "planning", planning, settings=[f.name for f in dataclasses.fields(PlanningSettings)], info=PlanningPlanner.info
+)
 register_planner("pure_pursuit", PurePursuit)
 register_planner("proportional_navigation", ProportionalNavigation)
 register_planner("constant_velocity", ConstantVelocity)
@@ -140,10 +218,19 @@ register_planner("reference", Reference)
 register_planner("memory", Memory)
 register_planner("memory_place", PlaceMemory)
 register_planner("memory_previous", OrderMemory)
-register_planner("intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)])
-register_planner("intercept_room", intercept_room, settings=[f.name for f in dataclasses.fields(RoomGuessSettings)])
+register_planner(
+    "intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)], info=InterceptPlanner.info
+)
+register_planner(
+    "intercept_room",
+    intercept_room,
+    settings=[f.name for f in dataclasses.fields(RoomGuessSettings)],
+    info=InterceptRoomPlanner.info,
+)
 register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
-register_planner("belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)])
+register_planner(
+    "belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)], info=BeliefPlanner.info
+)
 _SHIPPED = frozenset(_REGISTRY)
 
 
@@ -152,11 +239,11 @@ def is_shipped(name: str) -> bool:
     return name in _SHIPPED
 
 
-def registered_planners() -> dict[str, tuple[Factory, tuple[str, ...] | None]]:
-    """Return the factory and the settings' names of every planner registered beside those that ship."""
-    return {n: (e.factory, e.settings) for n, e in _REGISTRY.items() if n not in _SHIPPED}
+def registered_planners() -> dict[str, Registered]:
+    """Return every planner registered beside those that ship."""
+    return {name: entry for name, entry in _REGISTRY.items() if name not in _SHIPPED}
 
 
-def adopt_planner(name: str, factory: Factory, settings: tuple[str, ...] | None) -> None:
+def adopt_planner(name: str, entry: Registered) -> None:
     """Know in this process a planner that was registered in another; one already known stays as it is."""
-    _REGISTRY.setdefault(name, _Entry(factory, settings))
+    _REGISTRY.setdefault(name, entry)

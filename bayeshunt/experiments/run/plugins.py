@@ -37,14 +37,14 @@ class Additions(NamedTuple):
         for name, behaviour in self.prey.items():
             if name not in known:
                 register_prey(name, behaviour)
-        for name, (factory, settings) in self.planners.items():
-            adopt_planner(name, factory, settings)
+        for name, entry in self.planners.items():
+            adopt_planner(name, entry)
 
 
 def used_additions(planners: Iterable[str], behaviour: str) -> dict[str, Any]:
     """Return the class or function behind each planner, and behind the prey, that does not ship, by what it is."""
     here = Additions.here()
-    used = {f"with planner {name}": here.planners[name][0] for name in planners if name in here.planners}
+    used = {f"with planner {name}": here.planners[name].factory for name in planners if name in here.planners}
     if behaviour in here.prey:
         used[f"with prey {behaviour}"] = here.prey[behaviour]
     return used

@@ -19,7 +19,7 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
 from bayeshunt.episodes.loop import Result
-from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
+from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
 from bayeshunt.experiments.run import workers
 from bayeshunt.experiments.run.batches import Ticket, batches, run_batch
@@ -82,6 +82,7 @@ def evaluate(
     check_whole(seed, "seed", 0)
     planners = _names(planners, settings.planners, "planners")
     arenas = _names(arenas, tuple(settings.arenas), "arenas")
+    check_planners(settings, planners)
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
         check_minds(planners, model, settings)

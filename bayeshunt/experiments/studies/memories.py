@@ -14,7 +14,7 @@ from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.episodes.loop import hunt
-from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
+from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import check_arenas, learn_model
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory
@@ -45,6 +45,7 @@ def remember(
     Raises InputError for a wrong number, an unknown planner, or an arena that is unknown or named twice.
     """
     settings = load_experiment(experiment)
+    check_planners(settings, [planner], hunting=True)
     check_whole(runs, "runs", 1)
     chosen = list(arenas) if arenas else list(settings.arenas)
     check_arenas(settings, chosen)

@@ -15,6 +15,7 @@ from bayeshunt.config.schema import ExperimentSettings, GaitSettings, RobotSetti
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar
 from bayeshunt.data.babbling_table import path_columns
+from bayeshunt.experiments.preparation import check_planners
 from bayeshunt.experiments.store.export import check_output_folder
 from bayeshunt.experiments.store.identity import versions
 from bayeshunt.planners.bounds.reference import FORMAT, ReferenceTable
@@ -44,6 +45,7 @@ def reference(
     cache: a folder where the table is kept under the digest of all this and found the next time.
     """
     settings = load_experiment(experiment)
+    check_planners(settings, ())
     for name, value, least in (("samples", samples, 1), ("angles", angles, 4), ("headings", headings, 4)):
         check_whole(value, name, least)
     facts = _facts(settings, seed, samples, angles, headings)

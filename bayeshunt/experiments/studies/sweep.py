@@ -14,6 +14,7 @@ import pandas as pd
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError
+from bayeshunt.experiments.preparation import check_planners
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.run.runner import Progress, check_minds, evaluate
 from bayeshunt.experiments.scores import summarise
@@ -63,6 +64,8 @@ def sweep(
     settings = load_experiment(experiment)
     grid = {"speed_ratio": AXES["speed_ratio"][1]} if grid is None else dict(grid)
     points = [(values, at_point(settings, values, runs)) for values in combinations(grid)]
+    for _, point in points:
+        check_planners(point, planners or point.planners)
     models = _learn([point for _, point in points], seed)
     for (_, point), model in zip(points, models, strict=True):
         check_minds(planners or point.planners, model, point)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -14,11 +13,13 @@ from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
-from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
-from bayeshunt.experiments.protocol import hunt_seed, learn_model
+from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
+from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model
 from bayeshunt.experiments.run.runner import Progress, evaluate
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.planners.asking import Timed
+from bayeshunt.planners.registry import planner_info
 from bayeshunt.planners.sequences.frugal import CostWeights
 
 #: The planner that weighs its costs; the others are shown beside it.
@@ -55,6 +56,8 @@ def tradeoff(
     settings = load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
     vary = {"transitions": VARIED["transitions"]} if vary is None else vary
     weights = _weights(settings)
+    check_planners(settings, planners)
+    check_arenas(settings, [arena])
     cases = [(name, "", float("nan"), settings) for name in planners]
     for weight, values in vary.items():
         if weight not in vars(weights):
@@ -62,6 +65,7 @@ def tradeoff(
         for value in values:
             point = load_experiment(settings, {f"planner.{WEIGHED}.{weight}": value})
             _weights(point)  # a wrong value fails here, before any work
+            check_planners(point, [WEIGHED])
             cases.append((WEIGHED, weight, float(value), point))
     model = learn_model(settings, seed)
     rows = []
@@ -78,30 +82,14 @@ def tradeoff(
 
 
 def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: str, arena: str, seed: int) -> float:
-    """Return the median time of one decision [s], over one hunt per bearing, on this machine."""
+    """Return the median processor time of one decision [s], over one hunt per bearing; 0 for a bound."""
+    if not planner_info(planner).hunts:
+        return 0.0
     rooms = learn_rooms(settings, [planner], [arena], seed, model)
-    timed = _Timed(prepare_planner(planner, model, settings, rooms, arena))
+    timed = Timed(prepare_planner(planner, model, settings, rooms, arena))
     for index, theta in enumerate(settings.protocol.thetas):
-        run_hunt(settings, timed, arena, theta, hunt_seed(seed, index, 0))  # type: ignore[arg-type]
-    return float(np.median(timed.times)) if timed.times else 0.0
-
-
-class _Timed:
-    """A planner with a stopwatch."""
-
-    def __init__(self, planner: Any) -> None:
-        self._planner, self.name = planner, planner.name
-        self.times: list[float] = []
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._planner, name)
-
-    def plan(self, situation: Any, *, rng: np.random.Generator) -> Any:
-        """Plan, and note the time taken."""
-        start = time.perf_counter()
-        plan = self._planner.plan(situation, rng=rng)
-        self.times.append(time.perf_counter() - start)
-        return plan
+        run_hunt(settings, timed, arena, theta, hunt_seed(seed, index, 0))
+    return float(np.median(timed.seconds)) if timed.seconds else 0.0
 
 
 def _weights(settings: ExperimentSettings) -> CostWeights:

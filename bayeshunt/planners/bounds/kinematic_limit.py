@@ -9,6 +9,7 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Future, Plan, Shown, Situation
+from bayeshunt.planners.info import FUTURE, PlannerInfo
 
 
 class KinematicLimit(Shown):
@@ -19,9 +20,7 @@ class KinematicLimit(Shown):
     """
 
     name = "kinematic_limit"
-    needs_future = True
-    ab_initio = False
-    standalone = False
+    info = PlannerInfo(ab_initio=False, needs=(FUTURE,), hunts=False)
 
     def __init__(self, model: ForwardModel) -> None:
         self.gaits = tuple(model.gaits.names)

@@ -7,6 +7,7 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.info import FUTURE, PlannerInfo, own_foresight
 from bayeshunt.planners.sequences.capture import PreyPaths
 from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
 
@@ -31,9 +32,7 @@ class Omniscient(SequenceHunter):
     """
 
     name = "omniscient"
-    needs_future = True
-    ab_initio = False
-    standalone = False
+    info = PlannerInfo(ab_initio=False, needs=(FUTURE,), foresight=own_foresight)
 
     def __init__(
         self,

@@ -20,6 +20,7 @@ from bayeshunt.files.atomic import check_source, replace_atomically
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_step
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
+from bayeshunt.planners.info import PlannerInfo
 
 FORMAT = 1
 _MAKER = "bayeshunt reference"
@@ -103,16 +104,11 @@ class Reference(Shown):
     """
 
     name = "reference"
-    ab_initio = False
-    standalone = False
+    info = PlannerInfo(ab_initio=False, needs=("table",), maker="bayeshunt reference")
 
     def __init__(self, model: ForwardModel, *, table: ReferenceTable | str | os.PathLike[str] | None = None) -> None:
-        if table is None:
-            raise InputError(
-                'reference: needs the setting table; make one with "bayeshunt reference --out FILE" '
-                "and give it as planner.reference.table"
-            )
-        self.table = table if isinstance(table, ReferenceTable) else ReferenceTable.load(table)
+        self.info.check_given(self.name, {"table": table})
+        self.table = table if isinstance(table, ReferenceTable) else ReferenceTable.load(table)  # type: ignore[arg-type]
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         if self.table.gaits != self.gaits:

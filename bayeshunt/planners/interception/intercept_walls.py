@@ -10,6 +10,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Situation, known_length
+from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
@@ -48,7 +49,7 @@ class InterceptWallsPlanner(InterceptPlanner):
     """
 
     name = "intercept_walls"
-    standalone = False
+    info = PlannerInfo(needs=(ROOM,), prepare=ROOM)
     settings: RoomSettings
 
     def __init__(
@@ -91,7 +92,5 @@ def intercept_walls(
     return InterceptWallsPlanner(model, RoomSettings(**settings), room=room)
 
 
-intercept_walls.standalone = False  # type: ignore[attr-defined]
-intercept_walls.explores = True  # type: ignore[attr-defined]
 #: Names of the settings that :func:`intercept_walls` takes.
 SETTINGS = ("room", *(field.name for field in fields(RoomSettings)))

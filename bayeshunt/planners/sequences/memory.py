@@ -17,6 +17,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory, TransitionTables
 from bayeshunt.planners.api import Plan, Situation, check_request
 from bayeshunt.planners.guidance.steering import prey_track
+from bayeshunt.planners.info import PlannerInfo
 from bayeshunt.planners.sequences.capture import PreyPaths
 from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
 
@@ -65,8 +66,7 @@ class Memory(SequenceHunter):
 
     name = "memory"
     kind = "all"
-    ab_initio = False
-    standalone = False
+    info = PlannerInfo(ab_initio=False, needs=("tables",), maker="bayeshunt remember")
 
     def __init__(
         self,
@@ -82,7 +82,8 @@ class Memory(SequenceHunter):
         catch_distance: float | None = None,
     ) -> None:
         name, kind = self.name, self.kind
-        _check(name, tables, believe, smoothing, paths)
+        self.info.check_given(name, {"tables": tables})
+        _check(name, believe, smoothing, paths)
         super().__init__(model, depth, max_transitions, margin, catch_distance)
         memory = tables if isinstance(tables, PreyMemory) else PreyMemory.load(tables)  # type: ignore[arg-type]
         self.experts = [_Expert(arena, kinds[kind], kinds["all"]) for arena, kinds in memory.tables.items()]
@@ -236,12 +237,7 @@ def _with_weights(make_trace: Any, labels: list[str], weights: np.ndarray) -> An
     return make_trace().assign(**{f"weight_{label}": weight for label, weight in zip(labels, weights, strict=True)})
 
 
-def _check(name: str, tables: Any, believe: Any, smoothing: Any, paths: Any) -> None:
-    if tables is None:
-        raise InputError(
-            f'{name}: needs the setting tables; make them with "bayeshunt remember --out FILE" '
-            f"and give them as planner.{name}.tables"
-        )
+def _check(name: str, believe: Any, smoothing: Any, paths: Any) -> None:
     if isinstance(believe, bool) or not (isinstance(believe, (int, float)) and 0 <= believe <= 1):
         raise InputError(f"{name}: believe must be a number from 0 to 1, got {believe!r}")
     if isinstance(smoothing, bool) or not (isinstance(smoothing, (int, float)) and 0 < smoothing < math.inf):

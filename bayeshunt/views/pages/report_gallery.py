@@ -6,7 +6,6 @@ A hunt is made again from its recorded seed and settings. If it does not end as 
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +17,7 @@ from bayeshunt.episodes.episode import Episode
 from bayeshunt.episodes.loop import hunt, run_hunt
 from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Planner, Situation
+from bayeshunt.planners.asking import Timed
 from bayeshunt.views.pages.replay import replay_data
 
 #: A trail point every so many control intervals: the player draws straight lines between them.
@@ -56,7 +55,7 @@ def build_shelf(
         for row in choose(hunts):
             episode = hunt(settings, mind, arena=arena, theta=float(row["theta"]), seed=int(row["seed"]))
             # Timed the second time: the first fills the planner's tables.
-            run_hunt(settings, _Timed(mind, shelf.decision_seconds), arena, float(row["theta"]), int(row["seed"]))
+            run_hunt(settings, Timed(mind, shelf.decision_seconds), arena, float(row["theta"]), int(row["seed"]))
             if (episode.caught, episode.time) != (bool(row["caught"]), float(row["time"])):
                 shelf.problem = (
                     f"The hunt of theta {row['theta']:g}, run {row['run']} ended otherwise than recorded "
@@ -98,22 +97,6 @@ def thumbnail(episode: Episode, size: float = 100.0) -> dict[str, Any]:
         points.append(place(episode.trail[f"{who}_x"].iloc[-1], episode.trail[f"{who}_y"].iloc[-1]))
         paths[who] = {"line": " ".join(f"{x},{y}" for x, y in points), "end": points[-1]}
     return paths
-
-
-class _Timed:
-    """A planner that notes the processor time of each decision, which other programs do not disturb."""
-
-    def __init__(self, planner: Planner, seconds: list[float]) -> None:
-        self._planner, self._seconds = planner, seconds
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._planner, name)
-
-    def plan(self, situation: Situation, *, rng: Any) -> Plan:
-        start = time.thread_time()
-        plan = self._planner.plan(situation, rng=rng)
-        self._seconds.append(time.thread_time() - start)
-        return plan
 
 
 def _end(caught: Any, seconds: Any) -> str:
