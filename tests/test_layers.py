@@ -1,81 +1,129 @@
-"""The house: imports go down only, heavy libraries live in one room each, the package is small inside."""
+"""The layers: imports go down only, in no circle; heavy libraries have one home; modules and folders stay small."""
 
-import ast
 import subprocess
 import sys
-from pathlib import Path
+from collections import Counter
 
 import pytest
+from layers import PACKAGE, circle, imports, modules, names_imported
 
-PACKAGE = Path(__file__).parent.parent / "bayeshunt"
-
-#: Layer -> (level, place on the level). Imports go to a lower level or to an earlier place on the same one.
-ROOMS = {
-    "core": (0, 0),
-    "files": (1, 0),
-    "config": (2, 0),
-    "data": (3, 0),
-    "models": (3, 1),
-    "worlds": (3, 1),
-    "perception": (4, 0),
-    "planners": (5, 0),
-    "episodes": (6, 0),
-    "experiments": (7, 0),
-    "views": (8, 0),
-    "envs": (8, 0),
-    "cli": (9, 0),
+#: Layer -> its level. Imports go to a lower level; layers of one level do not see each other, but that
+#: those after ``data`` may read its tables.
+LEVELS = {
+    "core": 0,
+    "files": 1,
+    "config": 2,
+    "data": 3,
+    "models": 4,
+    "worlds": 4,
+    "perception": 5,
+    "planners": 6,
+    "episodes": 7,
+    "experiments": 8,
+    "views": 9,
+    "envs": 9,
+    "cli": 10,
 }
-#: Layers that must not see each other.
-STRANGERS = {("worlds", "models"), ("models", "worlds"), ("planners", "worlds"), ("views", "envs"), ("envs", "views")}
-#: Library -> the only room that may import it.
-HOMES = {"Box2D": "worlds", "pgmpy": "models", "matplotlib": "views", "jinja2": "views", "typer": "cli"}
+#: Pairs that must not meet although one stands below the other: a planner knows nothing of physics.
+STRANGERS = {("planners", "worlds")}
+#: Library -> the only layers that may import it.
+HOMES = {
+    "Box2D": ("worlds",),
+    "mujoco": ("worlds",),
+    "pgmpy": ("models",),
+    "matplotlib": ("views",),
+    "jinja2": ("views",),
+    "typer": ("cli",),
+    "gymnasium": ("envs",),
+    "pettingzoo": ("envs",),
+}
+#: The doors of the package: they name the public things of every layer.
+DOORS = ("bayeshunt", "bayeshunt.__main__", "bayeshunt.protocols")
 
-MODULES = sorted(PACKAGE.rglob("*.py"))
-
-
-def room_of(path):
-    return path.relative_to(PACKAGE).with_suffix("").parts[0]
-
-
-def imports_of(path):
-    """Every module imported anywhere in the file, except for type checking only."""
-    tree = ast.parse(path.read_text())
-    typing_only = {
-        id(inner)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-        for inner in ast.walk(node)
-    }
-    for node in ast.walk(tree):
-        if id(node) in typing_only:
-            continue
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+SOURCES = {name: text for name, text in modules().items() if name not in DOORS}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_down(path):
-    room = room_of(path)
-    if room in ("__init__", "__main__"):  # the doors
-        return
-    assert room in ROOMS, f"{room} has no floor: give it one here and in CONTRIBUTING.md"
-    for name in imports_of(path):
-        parts = name.split(".")
-        if parts[0] in HOMES:
-            assert room == HOMES[parts[0]], f"{path.name} imports {parts[0]}, which lives in {HOMES[parts[0]]}/"
-        if parts[0] != "bayeshunt" or len(parts) < 2 or parts[1] == room:
-            continue
-        if parts[1] not in ROOMS:
-            continue
-        assert (room, parts[1]) not in STRANGERS, f"{path.name}: {room}/ must not see {parts[1]}/"
-        assert ROOMS[parts[1]] < ROOMS[room], f"{path.name}: {room} (floor {ROOMS[room]}) imports {parts[1]}"
+def layer_of(module):
+    return module.split(".")[1]
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_modules_stay_readable(path):
-    assert len(path.read_text().splitlines()) <= 400, "two reasons to exist? split it by meaning"
+def allowed(importer, imported):
+    """Whether a module of one layer may import from another."""
+    if importer == imported:
+        return True
+    return LEVELS[imported] < LEVELS[importer] and (importer, imported) not in STRANGERS
+
+
+def wrong_imports(sources):
+    return [
+        f"{name} imports {other}"
+        for name, others in imports(sources).items()
+        for other in sorted(others - set(DOORS))
+        if not allowed(layer_of(name), layer_of(other))
+    ]
+
+
+def test_every_layer_has_its_level():
+    assert {layer_of(name) for name in SOURCES} <= set(LEVELS), (
+        "a new layer: give it a level here and in CONTRIBUTING.md"
+    )
+
+
+def test_imports_go_down():
+    assert wrong_imports(SOURCES) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("bayeshunt.core.bins", "from bayeshunt.files import atomic"),
+        ("bayeshunt.models.body.forward", "import bayeshunt.worlds.babbling"),
+        ("bayeshunt.planners.api", "def f():\n    from bayeshunt.worlds.babbling import babble"),
+        ("bayeshunt.worlds.babbling", "if TYPE_CHECKING:\n    from bayeshunt.models.body.forward import ForwardModel"),
+    ],
+)
+def test_one_import_that_goes_up_is_found(module, line):
+    changed = {**SOURCES, module: f"{SOURCES[module]}\n{line}\n"}
+    assert [text.split()[0] for text in wrong_imports(changed)] == [module]
+
+
+def test_no_circle_of_imports():
+    assert circle(imports(SOURCES)) == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from bayeshunt.core.gaits import Gait",
+        "if TYPE_CHECKING:\n    from bayeshunt.core.gaits import Gait",
+        "def late():\n    from bayeshunt.core import gaits",
+        "def late():\n    import bayeshunt.core.gaits",
+    ],
+)
+def test_a_circle_that_is_put_in_is_found(line):
+    changed = {**SOURCES, "bayeshunt.core.errors": f"{SOURCES['bayeshunt.core.errors']}\n{line}\n"}
+    found = circle(imports(changed))
+    assert {"bayeshunt.core.errors", "bayeshunt.core.gaits"} <= set(found)
+
+
+def test_a_heavy_library_is_imported_in_its_home_only():
+    strangers = [
+        f"{name} imports {library}"
+        for name, text in SOURCES.items()
+        for library in {imported.partition(".")[0] for imported in names_imported(text)} & set(HOMES)
+        if layer_of(name) not in HOMES[library]
+    ]
+    assert strangers == []
+
+
+def test_modules_stay_readable():
+    long = {name: lines for name, text in SOURCES.items() if (lines := len(text.splitlines())) > 400}
+    assert not long, "two reasons to exist? split it by meaning"
+
+
+def test_folders_stay_small():
+    counts = Counter(path.parent.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py") if path.name != "__init__.py")
+    assert not {str(folder): count for folder, count in counts.items() if count > 16}
 
 
 def test_help_and_import_leave_the_heavy_libraries_alone():
