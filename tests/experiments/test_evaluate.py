@@ -84,7 +84,7 @@ def test_a_model_of_another_robot_is_refused(khepera_model):
 
 def run_cli(folder, *arguments, hash_seed="0"):
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
-    command = [sys.executable, "-m", "bayeshunt", "evaluate", "--runs", "3", "--seed", "1", "--json"]
+    command = [sys.executable, "-m", "bayeshunt", "evaluate", "--runs", "1", "--seed", "1", "--json"]
     run = subprocess.run(
         [*command, "--out", str(folder), *arguments], env=environment, capture_output=True, check=True, text=True
     )
@@ -94,12 +94,10 @@ def run_cli(folder, *arguments, hash_seed="0"):
 
 
 def test_same_bytes_at_any_number_of_workers_and_any_hash_seed(tmp_path):
-    folders = [tmp_path / name for name in "abc"]
-    one, hashes = run_cli(folders[0], "--jobs", "1")
-    for folder, jobs, hash_seed in ((folders[1], "2", "0"), (folders[2], "2", "123")):
-        other, others = run_cli(folder, "--jobs", jobs, hash_seed=hash_seed)
-        assert others == hashes
-        assert json.loads(other.stdout) == json.loads(one.stdout)
+    one, hashes = run_cli(tmp_path / "one", "--jobs", "1")
+    other, others = run_cli(tmp_path / "other", "--jobs", "2", hash_seed="123")
+    assert others == hashes
+    assert json.loads(other.stdout) == json.loads(one.stdout)
     assert one.stderr == ""
     keys = {
         "planner", "arena", "theta", "runs", "caught", "success", "ci_low", "ci_high", "mean_time_s", "paper_success",

@@ -21,8 +21,6 @@ from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.intercept import intercept
 from bayeshunt.planners.interception.lookahead import PairPaths, decide, gait_paths, look_ahead
 
-RNG = np.random.default_rng(0)
-
 
 def situation(distance, angle, heading, transitions=()):
     return Situation(
@@ -252,9 +250,9 @@ def test_the_choice_against_loops(model):
 def test_prey_dead_ahead_and_prey_to_one_side(model):
     planner = intercept(model)
     seen = [Polar(0.16, 0.0, 0.0)]
-    assert planner.plan(situation(0.4, 0.0, 0.0, seen), rng=RNG).gait == "straight"
-    right = planner.plan(situation(0.3, 1.5, 1.5, seen), rng=RNG).gait
-    left = planner.plan(situation(0.3, -1.5, -1.5, seen), rng=RNG).gait
+    assert planner.plan(situation(0.4, 0.0, 0.0, seen), rng=np.random.default_rng(0)).gait == "straight"
+    right = planner.plan(situation(0.3, 1.5, 1.5, seen), rng=np.random.default_rng(0)).gait
+    left = planner.plan(situation(0.3, -1.5, -1.5, seen), rng=np.random.default_rng(0)).gait
     assert "right" in right
     assert "left" in left
 
@@ -262,16 +260,19 @@ def test_prey_dead_ahead_and_prey_to_one_side(model):
 def test_the_prior_is_a_setting_and_changes_the_first_move_only(model):
     with_prior, without = intercept(model), intercept(model, prior=False)
     first = situation(5 * BODY, 1.0, 0.0)
-    plans = [planner.plan(first, rng=RNG) for planner in (with_prior, without)]
+    plans = [planner.plan(first, rng=np.random.default_rng(0)) for planner in (with_prior, without)]
     assert plans[0].predicted_prey.distance[-1] != pytest.approx(plans[1].predicted_prey.distance[-1])
     assert plans[1].predicted_prey.distance.tolist() == pytest.approx([5 * BODY] * 3)
     assert [plan.prey_known for plan in plans] == [False, False]
     later = replace(first, transitions=(Polar(0.16, 0.0, 0.1),))
-    assert with_prior.plan(later, rng=RNG).value == without.plan(later, rng=RNG).value
+    assert (
+        with_prior.plan(later, rng=np.random.default_rng(0)).value
+        == without.plan(later, rng=np.random.default_rng(0)).value
+    )
 
 
 def test_trace_explains_the_choice(model):
-    plan = intercept(model).plan(situation(0.25, 0.5, 1.0, [Polar(0.16, 0.0, 0.1)]), rng=RNG)
+    plan = intercept(model).plan(situation(0.25, 0.5, 1.0, [Polar(0.16, 0.0, 0.1)]), rng=np.random.default_rng(0))
     trace, gaits = plan.trace, len(model.gaits)
     assert len(trace) == plan.nodes == 1 + gaits + gaits**2
     assert trace.loc[trace["chosen"], "gaits"].tolist() == ["", plan.gait, ", ".join(plan.gaits)]
@@ -293,7 +294,7 @@ def _least_by_parent(trace):
 def test_every_situation_has_finite_values(model):
     planner = intercept(model)
     for case in situations(40):
-        assert np.isfinite(planner.plan(case, rng=RNG).trace["value_s"]).all()
+        assert np.isfinite(planner.plan(case, rng=np.random.default_rng(0)).trace["value_s"]).all()
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,6 @@ from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanne
 from bayeshunt.planners.registry import make_planner, planner_names
 
 SQUARE = Walls(((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)), (0.5,) * 4, 0.4)
-RNG = np.random.default_rng(0)
 
 
 def hunt_situation(hunter, prey, transitions=()):
@@ -112,14 +111,17 @@ def test_a_room_without_walls_is_the_open(model):
     empty = RoomModel.empty()
     case = hunt_situation(Pose(0.1, 0.0, 1.0), Pose(0.3, 0.2, 0.5), [Polar(0.16, 0, 0)])
     with_walls, without = intercept_walls(model, room=empty, hazard=0.1), intercept(model)
-    assert with_walls.plan(case, rng=RNG).value == without.plan(case, rng=RNG).value
+    assert (
+        with_walls.plan(case, rng=np.random.default_rng(0)).value
+        == without.plan(case, rng=np.random.default_rng(0)).value
+    )
 
 
 def test_a_wall_brings_the_prey_back(model):
     """A prey about to meet the wall ahead is caught sooner than one that runs on."""
     case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.4, 0.05, 0.1), [Polar(0.16, 0, 0)])
-    known = intercept_walls(model, room=room()).plan(case, rng=RNG)
-    unknown = intercept(model, hazard=0.0).plan(case, rng=RNG)
+    known = intercept_walls(model, room=room()).plan(case, rng=np.random.default_rng(0))
+    unknown = intercept(model, hazard=0.0).plan(case, rng=np.random.default_rng(0))
     assert known.value < unknown.value - 2.0
 
 
@@ -128,7 +130,7 @@ def test_walls_planner_says_what_it_lacks(model):
         make_planner("intercept_walls", model)
     lost = Situation(Polar(0.3, 0.1, 0.2), PreyModel(), body_length=BODY, time_step=STEP)
     with pytest.raises(InputError, match="own pose"):
-        intercept_walls(model, room=room()).plan(lost, rng=RNG)
+        intercept_walls(model, room=room()).plan(lost, rng=np.random.default_rng(0))
     assert "intercept_walls" not in planner_names(standalone=True)
 
 
@@ -179,9 +181,9 @@ def test_a_prey_that_runs_on_and_on_is_in_no_room(model):
 
 def test_the_guess_can_be_switched_off_and_moves_the_decision(model):
     case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.3, 0.05, 0.1), [Polar(0.16, 0, 0)])
-    off = intercept_room(model, room_chance=0.0).plan(case, rng=RNG).value
-    assert off == intercept(model, hazard=0.02).plan(case, rng=RNG).value
-    assert intercept_room(model, room_chance=0.9).plan(case, rng=RNG).value < off
+    off = intercept_room(model, room_chance=0.0).plan(case, rng=np.random.default_rng(0)).value
+    assert off == intercept(model, hazard=0.02).plan(case, rng=np.random.default_rng(0)).value
+    assert intercept_room(model, room_chance=0.9).plan(case, rng=np.random.default_rng(0)).value < off
 
 
 @pytest.mark.parametrize(
