@@ -19,8 +19,10 @@ import Box2D
 import numpy as np
 
 from bayeshunt.config.loading import load_experiment
-from bayeshunt.episodes.loop import starting_poses
-from bayeshunt.worlds.box2d.arena import Arena, Streams, build_walls, new_world
+from bayeshunt.core.messages import Reach
+from bayeshunt.core.streams import spawn_streams
+from bayeshunt.worlds.box2d.world import Box2DWorld, build_walls, new_world
+from bayeshunt.worlds.scene import Scene
 
 ROUNDS, HUNTS, LANDER_STEPS = 7, 6, 3000
 
@@ -32,42 +34,46 @@ class Motion(NamedTuple):
     velocities: np.ndarray  # [M, 2, 3]: x, y, angular
 
 
-def make_arena(settings: Any, arena: str, seed: int) -> Arena:
-    """A fresh arena in which nobody is ever near enough to be caught."""
-    hunter, prey = starting_poses(settings, float(seed % 7))
-    streams = Streams(*(np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)))
-    return Arena(
-        settings.robot, settings.prey, settings.arenas[arena], settings.physics, streams,
-        hunter_pose=hunter, prey_pose=prey, catch_distance=1e-6,
-    )  # fmt: skip
+#: Nobody is ever near enough to be caught.
+NEVER = Reach("hunter", "prey", 1e-6)
 
 
-def commands(settings: Any, seed: int) -> list[Any]:
+def make_world(settings: Any, arena: str, seed: int) -> Box2DWorld:
+    """A fresh world with both robots in it."""
+    hunter, prey = settings.starting_poses(float(seed % 7))
+    world = Box2DWorld(Scene(settings.robot, settings.prey, settings.arenas[arena], settings.physics))
+    world.reset({"hunter": hunter, "prey": prey}, spawn_streams(seed))
+    return world
+
+
+def chosen_gaits(settings: Any, seed: int) -> list[Any]:
     """Gaits by chance for a whole hunt."""
     count = int(np.ceil(settings.protocol.time_limit / settings.robot.gait_duration))
     picked = np.random.default_rng(seed).integers(len(settings.robot.gaits), size=count)
-    return [settings.robot.gaits[int(gait)].command for gait in picked]
+    gaits = settings.robot.gaits
+    return [gaits[int(gait)] for gait in picked]
 
 
 def time_hunt(settings: Any, arena: str, seed: int) -> float:
     """Seconds per physics step of one hunt."""
-    trial, chosen = make_arena(settings, arena, seed), commands(settings, seed)
+    world, chosen = make_world(settings, arena, seed), chosen_gaits(settings, seed)
     start = time.perf_counter()
-    for command in chosen:
-        trial.run(command, settings.robot.gait_duration)
-    return (time.perf_counter() - start) / round(trial.time / settings.physics.step)
+    for gait in chosen:
+        world.run({"hunter": gait}, settings.robot.gait_duration, NEVER)
+    return (time.perf_counter() - start) / round(world.time / settings.physics.step)
 
 
 def record(settings: Any, arena: str, seed: int) -> Motion:
     """The motion of the same hunt."""
-    trial, poses, velocities = make_arena(settings, arena, seed), [], []
+    world, poses, velocities = make_world(settings, arena, seed), [], []
+    drives = tuple(world.bodies.values())
     interval = settings.physics.control_interval
-    for command in commands(settings, seed):
+    for gait in chosen_gaits(settings, seed):
         for _ in range(round(settings.robot.gait_duration / interval)):
-            before = [(*d.body.position, d.body.angle) for d in (trial.hunter, trial.prey)]
-            trial.run(command, interval)
+            before = [(*d.body.position, d.body.angle) for d in drives]
+            world.run({"hunter": gait}, interval, NEVER)
             poses.append(before)
-            velocities.append([(*d.body.linearVelocity, d.body.angularVelocity) for d in (trial.hunter, trial.prey)])
+            velocities.append([(*d.body.linearVelocity, d.body.angularVelocity) for d in drives])
     return Motion(np.array(poses), np.array(velocities))
 
 

@@ -43,8 +43,8 @@ class Step(NamedTuple):
         values = {
             "step": step,
             "time": moment.time,
-            **{f"hunter_{k}": v for k, v in moment.hunter._asdict().items()},
-            **{f"prey_{k}": v for k, v in moment.prey._asdict().items()},
+            **{f"hunter_{k}": v for k, v in moment.poses["hunter"]._asdict().items()},
+            **{f"prey_{k}": v for k, v in moment.poses["prey"]._asdict().items()},
             **{f"seen_{k}": float(v) for k, v in situation.prey._asdict().items()},
             **{f"target_{k}": float(v) for k, v in target._asdict().items()},
             "gait": plan.gait,
@@ -167,7 +167,7 @@ class Episode:
         """Build an episode from its steps, its recorded moments and its result."""
         frame = _typed(pd.DataFrame([step.values for step in steps]))
         path = pd.DataFrame(
-            [(m.time, *m.hunter, *m.prey) for m in trail],
+            [(m.time, *m.poses["hunter"], *m.poses["prey"]) for m in trail],
             columns=list(_TRAIL),
         )
         provenance = {

@@ -6,28 +6,25 @@ split into one stream per role, so that two planners meet the same noise and the
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_radians, check_whole
-from bayeshunt.core.geometry import Polar, Pose, in_frame
-from bayeshunt.core.task import Task
+from bayeshunt.core.geometry import Polar, in_frame
+from bayeshunt.core.messages import Moment
+from bayeshunt.core.streams import spawn_streams
 from bayeshunt.episodes.episode import Episode, Step
+from bayeshunt.episodes.trial import Trial
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
 from bayeshunt.planners.asking import ask, check_can_plan
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.registry import check_sections, foresight_of
-from bayeshunt.worlds.box2d.arena import Arena, Moment, Streams
-from bayeshunt.worlds.foresight import foresee
 
 
 class Result(NamedTuple):
@@ -68,7 +65,7 @@ def hunt(
     check_can_plan(planner)
     steps: list[Step] = []
     trail: list[Moment] = []
-    trial = _Trial(settings, arena, theta, seed, prey_model, trail)
+    trial = _Hunt(settings, arena, theta, seed, prey_model, trail)
     for situation, plan, moment, observed in trial.decide(planner):
         # The prey model goes on learning: the record keeps what was known at this decision.
         situation = replace(situation, prey_model=trial.prey_model.copy())
@@ -90,7 +87,7 @@ def run_hunt(
     prey_model: PreyModel | None = None,
 ) -> Result:  # fmt: skip
     """Run one hunt and return only how it ended: the same hunt as :func:`hunt`, without the record."""
-    trial = _Trial(settings, arena, theta, seed, prey_model, None)
+    trial = _Hunt(settings, arena, theta, seed, prey_model, None)
     if isinstance(planner, KinematicLimit):
         return trial.limit(planner)
     for _ in trial.decide(planner):
@@ -98,7 +95,7 @@ def run_hunt(
     return trial.result
 
 
-class _Trial:
+class _Hunt:
     """One hunt in progress."""
 
     def __init__(
@@ -108,89 +105,63 @@ class _Trial:
         _check(settings, arena, theta, seed, prey_model)
         self.settings = settings
         self.trail = trail
-        body_length = settings.robot.body.diameter
-        hunter_noise, prey_noise, prey_control, self.rng = (
-            np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(4)
-        )
+        streams = spawn_streams(seed)
+        self.rng = streams["planner"]
         self.prey_model = prey_model.copy() if prey_model is not None else PreyModel(_prey_axes(settings))
-        hunter_pose, prey_pose = starting_poses(settings, float(theta))
-        self.arena = Arena(
-            settings.robot, settings.prey, settings.arenas[arena], settings.physics,
-            Streams(hunter_noise, prey_noise, prey_control),
-            hunter_pose=hunter_pose, prey_pose=prey_pose,
-            catch_distance=settings.protocol.catch_distance * body_length,
-        )  # fmt: skip
-        self.task = Task(self.arena.catch_distance, settings.protocol.time_limit)
-        self.start = self.arena.hunter.pose
+        self.trial = Trial(settings, arena, float(theta), streams)
         self.transitions = self.decisions = 0
-        self.distance = 0.0
 
     @property
     def result(self) -> Result:
         """How the hunt ended (or stands)."""
-        time = self.arena.time if self.arena.caught else self.settings.protocol.time_limit
-        return Result(self.arena.caught, time, self.decisions, self.transitions, self.distance)
+        trial = self.trial
+        return Result(trial.caught, trial.time, self.decisions, self.transitions, trial.distance)
 
     def decide(self, planner: Planner) -> Iterator[tuple[Situation, Plan, Moment, Polar | None]]:
         """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
-        arena, robot = self.arena, self.settings.robot
-        previous_gait, gaits = None, robot.gaits
+        trial, robot = self.trial, self.settings.robot
+        gaits = robot.gaits
+        previous_gait = None
         foresight = foresight_of(planner)
         previous: Moment | None = None
         transitions: tuple[Polar, ...] = ()
-        while not arena.caught and (left := self._time_left()) > 0:
-            moment = Moment(arena.time, arena.hunter.pose, arena.prey.pose)
+        while not trial.done:
+            moment = trial.moment
             observed = self._observe(previous, moment)
             if observed is not None:
                 transitions = (*transitions, observed)
+            hunter = moment.poses["hunter"]
             situation = Situation(
-                prey=moment.hunter.relative(moment.prey), prey_model=self.prey_model,
+                prey=hunter.relative(moment.poses["prey"]), prey_model=self.prey_model,
                 body_length=robot.body.diameter, time=moment.time, step=self.decisions,
                 previous_gait=previous_gait, time_step=robot.gait_duration,
-                transitions=transitions, pose=in_frame(moment.hunter, self.start),
-                future=self._future(foresight) if foresight else None, task=self.task,
+                transitions=transitions, pose=in_frame(hunter, trial.start), task=trial.task,
+                future=Future(*trial.future(foresight)) if foresight else None,
             )  # fmt: skip
             plan = ask(planner, situation, self.rng, gaits)
             yield situation, plan, moment, observed
             self.decisions += 1
             self.transitions += previous_gait is not None and plan.gait != previous_gait
             previous, previous_gait = moment, plan.gait
-            command = gaits[plan.gait].command
-            arena.run(command, min(robot.gait_duration, left), self.trail)
-            end = arena.hunter.pose
-            self.distance += math.hypot(end.x - moment.hunter.x, end.y - moment.hunter.y)
-
-    def _time_left(self) -> float:
-        """Seconds in whole physics steps until the time limit, which a catch must not outlast; at least one in all."""
-        step = self.settings.physics.step
-        whole = max(1, math.floor(self.settings.protocol.time_limit / step + 1e-9))
-        return (whole - round(self.arena.time / step)) * step
+            run = trial.step(gaits[plan.gait])
+            if self.trail is not None:
+                self.trail.extend(run.moments)
 
     def limit(self, bound: KinematicLimit) -> Result:
         """Return the result of a bound that is computed from the start of the hunt instead of run."""
         limit, speed = self.settings.protocol.time_limit, self.settings.robot.top_speed
-        time = bound.capture_time(self._future(limit), speed, self.arena.catch_distance)
+        time = bound.capture_time(Future(*self.trial.future(limit)), speed, self.trial.reach.distance)
         caught = time <= limit
         time = min(time, limit)
         return Result(caught, time, 0, 0, speed * time)
-
-    def _future(self, duration: float) -> Future:
-        """The prey's noise-free future as the hunter sees it now."""
-        times, poses = foresee(self.arena, duration)
-        return Future(times, self.arena.hunter.pose.relative(poses))
 
     def _observe(self, previous: Moment | None, moment: Moment) -> Polar | None:
         """Learn the prey's last transition, in its own earlier frame."""
         if previous is None:
             return None
-        transition = previous.prey.relative(moment.prey)
+        transition = previous.poses["prey"].relative(moment.poses["prey"])
         self.prey_model.observe(transition)
         return transition
-
-
-def starting_poses(settings: ExperimentSettings, theta: float) -> tuple[Pose, Pose]:
-    """Return hunter and prey at the start; see :meth:`ExperimentSettings.starting_poses`."""
-    return settings.starting_poses(theta)
 
 
 def _prey_axes(settings: ExperimentSettings) -> EffectAxes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -12,12 +12,16 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.config.loading import load_robot
-from bayeshunt.config.schema import PhysicsSettings, RobotSettings
+from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.core.checks import check_whole
+from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
+from bayeshunt.core.protocols import World
 from bayeshunt.data.babbling_table import PROVENANCE_KEY, path_column_names
-from bayeshunt.worlds.box2d.arena import new_world
-from bayeshunt.worlds.box2d.bodies import Drive, build_drive
+from bayeshunt.worlds.registry import BOX2D, make_world
+from bayeshunt.worlds.scene import HUNTER, Scene
+
+__all__ = ["PATH_INTERVALS", "babble", "balanced_order", "hold", "interval_steps", "provenance", "table_of"]
 
 #: Intervals into which a gait is cut for its part-way poses.
 PATH_INTERVALS = 13
@@ -30,6 +34,7 @@ def babble(
     *,
     physics: PhysicsSettings | None = None,
     progress: Any = None,
+    world: str = BOX2D,
 ) -> pd.DataFrame:
     """Return the babbling table of ``steps`` gaits, momentum carried from each to the next.
 
@@ -37,61 +42,56 @@ def babble(
     open and empty; after every step the origin moves to the robot, so that coordinates stay small.
 
     robot: preset name, TOML path or settings. progress: called with 1 after every step.
-    Raises InputError if ``steps`` or ``seed`` is not a whole number in range.
+    world: name of the world it babbles in, "box2d" or a registered one.
+    Raises InputError if ``steps`` or ``seed`` is not a whole number in range, or there is no such world.
     """
     robot = load_robot(robot)
     check_whole(steps, "steps", 1)
     check_whole(seed, "seed", 0)
     physics = physics or PhysicsSettings()
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed]).spawn(2))
-    order = _balanced_order(len(robot.gaits), steps, choice)
-    world = new_world()
-    drive = build_drive(world, robot.body, robot.noise, physics, robot.body.diameter, noise)
+    order = balanced_order(len(robot.gaits), steps, choice)
+    alone = make_world(world, Scene(robot, None, ArenaSettings(), physics))
+    alone.reset({HUNTER: Pose(0.0, 0.0, 0.0)}, {HUNTER: noise})
     executed = np.empty((steps, PATH_INTERVALS, 3))
-    counts = interval_steps(physics.steps(robot.gait_duration))
+    counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
     for row, gait in enumerate(order.tolist()):
-        executed[row] = _execute(world, drive, physics, robot.gaits[gait].command, counts)
+        executed[row] = _execute(alone, gaits[gait], physics.step, counts)
         if progress is not None:
             progress(1)
-    return _table(robot, order, executed, provenance(robot, physics, steps, seed))
+    record = provenance(robot, physics, steps, seed, alone.identity)
+    alone.close()
+    return table_of(robot.gaits.names, order, executed, record)
 
 
-def hold(
-    world: Any, drive: Drive, physics: PhysicsSettings, command: tuple[float, ...], counts: list[int]
-) -> Iterator[Pose]:
-    """Hold one command; yield the world pose [m, rad] at the end of each interval of ``counts`` physics steps."""
-    drive.command(*command)
-    taken = 0
+def hold(world: World, gait: Gait, step: float, counts: list[int]) -> Iterator[Pose]:
+    """Hold one gait; yield the robot's pose [m, rad] after each interval of ``counts`` steps of ``step`` [s]."""
     for count in counts:
-        for _ in range(count):
-            if taken % physics.control_steps == 0:
-                drive.next_interval()
-            drive.advance()
-            world.Step(physics.step, physics.velocity_iterations, physics.position_iterations)
-            taken += 1
-            if world.contactCount:
-                drive.read_back()
-        yield drive.pose
+        if count:
+            world.run({HUNTER: gait}, count * step)
+        yield world.bodies[HUNTER].pose
 
 
-def _execute(
-    world: Any, drive: Drive, physics: PhysicsSettings, command: tuple[float, ...], counts: list[int]
-) -> list[Pose]:
-    """Hold ``command`` from the origin; return the world pose at the end of each interval."""
-    angle = float(drive.body.angle)
-    drive.place(Pose(0.0, 0.0, float(np.remainder(angle, 2 * np.pi))))
-    start = drive.pose.theta
-    poses = [Pose(x, y, theta - start) for x, y, theta in hold(world, drive, physics, command, counts)]
+def _execute(world: World, gait: Gait, step: float, counts: list[int]) -> list[Pose]:
+    """Hold ``gait`` from the origin; return the pose at the end of each interval in the robot's first frame."""
+    body = world.bodies[HUNTER]
+    body.place(Pose(0.0, 0.0, float(np.remainder(body.pose.theta, 2 * np.pi))))
+    start = body.pose.theta
+    poses = [Pose(x, y, theta - start) for x, y, theta in hold(world, gait, step, counts)]
     # turned into the robot's first frame: x ahead, y to the left
     c, s = np.cos(start), np.sin(start)
     return [Pose(c * x + s * y, c * y - s * x, turn) for x, y, turn in poses]
 
 
-def _table(robot: RobotSettings, order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any]) -> pd.DataFrame:
-    """Assemble the table from executed poses [N, P, 3] (x ahead, y left, theta counter-clockwise)."""
-    names = np.array(robot.gaits.names, dtype=object)
+def table_of(
+    names: tuple[str, ...], order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any]
+) -> pd.DataFrame:
+    """Return a babbling table of executed poses [N, P, 3] (x ahead, y left, theta counter-clockwise), the last the end.
+
+    names: of the gaits. order: index of the gait executed [N]. provenance: kept in the table's attributes.
+    """
     end = Pose(0.0, 0.0, 0.0).relative(Pose(*executed[:, -1].T))
-    gait = names[order]
+    gait = np.array(names, dtype=object)[order]
     frame = pd.DataFrame(
         {
             "step": np.arange(len(order), dtype=np.int64),
@@ -104,15 +104,15 @@ def _table(robot: RobotSettings, order: np.ndarray, executed: np.ndarray, proven
     )
     part_way = executed[:, :-1] * np.array([1.0, -1.0, -1.0])  # clockwise: right and heading change sign
     part_way[..., 2] = (part_way[..., 2] + np.pi) % (2 * np.pi) - np.pi
-    columns = path_column_names(PATH_INTERVALS - 1)
+    columns = path_column_names(executed.shape[1] - 1)
     paths = pd.DataFrame(part_way.reshape(len(order), -1).astype(np.float32), columns=columns)
     frame = pd.concat([frame, paths], axis=1)
     frame.attrs[PROVENANCE_KEY] = provenance
     return frame
 
 
-def _balanced_order(gaits: int, steps: int, rng: np.random.Generator) -> np.ndarray:
-    """Gait indices [steps]: each gait equally often, in random order."""
+def balanced_order(gaits: int, steps: int, rng: np.random.Generator) -> np.ndarray:
+    """Return gait indices [steps]: each gait equally often, in random order."""
     whole = np.tile(np.arange(gaits), steps // gaits)
     rest = rng.permutation(gaits)[: steps % gaits]
     return rng.permutation(np.concatenate([whole, rest]))
@@ -124,8 +124,12 @@ def interval_steps(total: int) -> list[int]:
     return np.diff(edges).tolist()
 
 
-def provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed: int) -> dict[str, Any]:
-    """Return the record of what makes a babbling table again."""
+def provenance(
+    robot: RobotSettings, physics: PhysicsSettings, steps: int, seed: int, engine: Mapping[str, str] | None = None
+) -> dict[str, Any]:
+    """Return the record of what makes a babbling table again. engine: identity of the world, Box2D by default."""
+    if engine is None:
+        engine = make_world(BOX2D, Scene(robot, None, ArenaSettings(), physics)).identity
     return {
         "kind": "babbling table",
         "robot": robot.model_dump(mode="json"),
@@ -134,7 +138,7 @@ def provenance(robot: RobotSettings, physics: PhysicsSettings, steps: int, seed:
         "seed": int(seed),
         "versions": {
             "bayeshunt": version("bayeshunt"),
-            "box2d": version("box2d"),
+            engine["engine"]: engine["version"],
             "numpy": np.__version__,
             "python": platform.python_version(),
         },

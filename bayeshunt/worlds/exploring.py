@@ -12,8 +12,10 @@ from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Pose, in_frame
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
 from bayeshunt.worlds.babbling import hold, interval_steps, provenance
-from bayeshunt.worlds.box2d.arena import build_walls, new_world
-from bayeshunt.worlds.box2d.bodies import build_drive
+from bayeshunt.worlds.registry import BOX2D, make_world
+from bayeshunt.worlds.scene import HUNTER, Scene
+
+__all__ = ["explore"]
 
 _CENTRE = Pose(0.0, 0.0, 0.0)
 
@@ -27,6 +29,7 @@ def explore(
     physics: PhysicsSettings | None = None,
     start: Pose = _CENTRE,
     progress: Callable[[int], None] | None = None,
+    world: str = BOX2D,
 ) -> pd.DataFrame:
     """Return where random gaits took the robot, alone in ``arena``; it starts at ``start``.
 
@@ -35,24 +38,20 @@ def explore(
 
     steps: gaits executed, each equally often, in random order. start: in the arena's frame; by default the centre,
     facing along x. progress: called with 1 after every step.
-    Raises InputError if ``steps`` or ``seed`` is not a whole number in range.
+    world: name of the world, "box2d" or a registered one.
+    Raises InputError if ``steps`` or ``seed`` is not a whole number in range, or there is no such world.
     """
     check_whole(steps, "steps", 1)
     check_whole(seed, "seed", 0)
     physics = physics or PhysicsSettings()
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed, 1]).spawn(2))
     order = choice.permutation(np.arange(steps) % len(robot.gaits))
-    world, unit = new_world(), robot.body.diameter
-    if arena.walled:
-        build_walls(world, arena.width / unit, arena.height / unit)
-    drive = build_drive(world, robot.body, robot.noise, physics, unit, noise)
-    if start != _CENTRE:
-        drive.place(start)
-    start = drive.pose
-    counts = interval_steps(physics.steps(robot.gait_duration))
+    alone = make_world(world, Scene(robot, None, arena, physics))
+    start = alone.reset({HUNTER: start}, {HUNTER: noise}).poses[HUNTER]
+    counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
     poses: list[Pose] = []
     for gait in order.tolist():
-        poses.extend(hold(world, drive, physics, robot.gaits[gait].command, counts))
+        poses.extend(hold(alone, gaits[gait], physics.step, counts))
         if progress is not None:
             progress(1)
     x, y, theta = np.array([in_frame(pose, start) for pose in poses]).T
@@ -67,6 +66,8 @@ def explore(
             "theta": theta,
         }
     )
-    record = {**provenance(robot, physics, steps, seed), "kind": "exploration", "arena": arena.model_dump(mode="json")}
+    made = provenance(robot, physics, steps, seed, alone.identity)
+    alone.close()
+    record = {**made, "kind": "exploration", "arena": arena.model_dump(mode="json")}
     frame.attrs[PROVENANCE_KEY] = record
     return frame

@@ -11,7 +11,7 @@ from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.episodes.episode import Episode
-from bayeshunt.episodes.loop import hunt, run_hunt, starting_poses
+from bayeshunt.episodes.loop import hunt, run_hunt
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.conformance import same_plan
@@ -153,7 +153,7 @@ def test_prior_knowledge_of_the_prey_is_copied(planners):
 
 
 def test_the_prey_starts_clockwise_at_theta():
-    hunter, prey = starting_poses(PAPER, 1.0)
+    hunter, prey = PAPER.starting_poses(1.0)
     seen = hunter.relative(prey)
     assert seen.distance == pytest.approx(5 * 0.057)
     assert seen.angle == pytest.approx(1.0)

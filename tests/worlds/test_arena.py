@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from trial_cases import Trial
 
 from bayeshunt.config.loading import load_robot
 from bayeshunt.config.schema import ArenaSettings, NoiseSettings, PhysicsSettings, PreySettings
 from bayeshunt.core.geometry import Pose
-from bayeshunt.worlds.box2d.arena import Arena, Streams, build_walls, new_world
+from bayeshunt.worlds.box2d.world import build_walls, new_world
 from bayeshunt.worlds.noise import actuator_factors
 
 QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
@@ -20,10 +21,9 @@ def quiet(robot):
 
 
 def arena_for(robot, *, prey_pose=FAR, hunter_pose=ORIGIN, walled=False, prey_speed=0.0, catch=0.058):
-    streams = Streams(*(np.random.default_rng(k) for k in range(3)))
     prey = PreySettings(behaviour="straight", speed=prey_speed, noise=QUIET)
-    return Arena(
-        robot, prey, ArenaSettings(walled=walled), PhysicsSettings(), streams,
+    return Trial(
+        robot, prey, ArenaSettings(walled=walled), PhysicsSettings(),
         hunter_pose=hunter_pose, prey_pose=prey_pose, catch_distance=catch,
     )  # fmt: skip
 
@@ -135,7 +135,7 @@ def test_no_robot_leaves_through_a_corner(theta):
     arena = arena_for(robot.model_copy(update={"body": body}), walled=True, hunter_pose=Pose(0.0, 0.0, theta))
     moments = []
     arena.run((0.576, 0.576), 6.4, moments)
-    path = np.array([moment.hunter for moment in moments])
+    path = np.array([moment.poses["hunter"] for moment in moments])
     assert np.abs(path[:, :2]).max() < 0.6 - 0.0285 + 0.003
     assert np.abs(path[-1, :2]) == pytest.approx(0.6 - 0.0285, abs=0.003)  # in the corner
 
@@ -193,19 +193,19 @@ def test_each_wheel_speeds_up_and_slows_down_by_at_most_its_limit():
     arena = arena_for(quiet("khepera"))
     change = 0.6 * 0.032
     for left, right in ((0.05, -0.05), (-0.05, 0.05)):
-        before = arena.hunter.state_a, arena.hunter.state_b
+        before = arena.hunter.state
         arena.run((left, right), 0.032)
-        assert (arena.hunter.state_a, arena.hunter.state_b) == pytest.approx(
+        assert arena.hunter.state == pytest.approx(
             (before[0] + math.copysign(change, left), before[1] + math.copysign(change, right))
         )
     arena.run((0.05, 0.05), 1.0)
-    assert (arena.hunter.state_a, arena.hunter.state_b) == (0.05, 0.05)
+    assert arena.hunter.state == (0.05, 0.05)
 
 
 def test_a_pose_has_an_angle_of_the_half_open_turn():
     arena, moments = arena_for(quiet("khepera")), []
     arena.run((0.0576, -0.0576), 10.0, moments)  # more than three times round
-    angles = np.array([moment.hunter.theta for moment in moments])
+    angles = np.array([moment.poses["hunter"].theta for moment in moments])
     assert ((angles > -math.pi) & (angles <= math.pi)).all()
     assert np.ptp(np.unwrap(angles)) > 6 * math.pi
 

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trial_cases import Trial
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.geometry import Pose
-from bayeshunt.worlds.box2d.arena import Arena, Streams
 from bayeshunt.worlds.foresight import foresee
 
 QUIET = {"prey.noise.slip": 0.0, "prey.noise.drift_sd": 0.0, "prey.sensor_noise": 0.0}
 
 
-def trial(arena: str, **changes) -> Arena:
+def trial(arena: str, **changes) -> Trial:
     settings = load_experiment("paper", {**QUIET, **changes})
-    streams = Streams(*(np.random.default_rng(s) for s in range(3)))
-    return Arena(
-        settings.robot, settings.prey, settings.arenas[arena], settings.physics, streams,
+    return Trial(
+        settings.robot, settings.prey, settings.arenas[arena], settings.physics,
         hunter_pose=Pose(-0.4, -0.4, 0.0), prey_pose=Pose(0.1, 0.0, 0.7), catch_distance=1e-3,
     )  # fmt: skip
 
@@ -29,7 +28,7 @@ def test_what_is_foreseen_happens(arena, begun):
     world = trial(arena)
     if begun:
         world.run((0.0, 0.0), begun)
-    times, poses = foresee(world, 20.0)
+    times, poses = foresee(world.simulation, 20.0)
     for index in range(0, len(times) - 52, 52):
         here = world.prey.pose
         expected = (poses.x[index], poses.y[index])
@@ -47,7 +46,7 @@ def test_a_prey_that_runs_into_a_wall_is_foreseen_along_it(width, height, begun)
     world = trial("walled", **walls)
     if begun:
         world.run((0.0, 0.0), begun)
-    _, poses = foresee(world, 16.0)
+    _, poses = foresee(world.simulation, 16.0)
     world.run((0.0, 0.0), 16.0)
     end = (poses.x[-1], poses.y[-1])
     assert end == pytest.approx(world.prey.pose[:2], abs=1e-3)
@@ -56,7 +55,7 @@ def test_a_prey_that_runs_into_a_wall_is_foreseen_along_it(width, height, begun)
 
 def test_foreseeing_changes_nothing():
     one, other = trial("walled", **{"prey.noise.slip": 0.1}), trial("walled", **{"prey.noise.slip": 0.1})
-    foresee(one, 10.0)
+    foresee(one.simulation, 10.0)
     for world in (one, other):
         world.run((0.03, 0.02), 10.0)
     assert one.prey.pose == other.prey.pose
@@ -65,18 +64,17 @@ def test_foreseeing_changes_nothing():
 
 def test_noise_is_left_out():
     calm, noisy = trial("open"), trial("open", **{"prey.noise.slip": 0.5})
-    (_, a), (_, b) = foresee(calm, 5.0), foresee(noisy, 5.0)
+    (_, a), (_, b) = foresee(calm.simulation, 5.0), foresee(noisy.simulation, 5.0)
     assert np.array_equal(a.x, b.x)
 
 
 def test_the_hunter_is_left_out():
     """A prey that senses the hunter is foreseen as if it were alone."""
     settings = load_experiment("paper", {**QUIET, "prey.senses_hunter": True})
-    streams = Streams(*(np.random.default_rng(s) for s in range(3)))
-    near = Arena(
-        settings.robot, settings.prey, settings.arenas["open"], settings.physics, streams,
+    near = Trial(
+        settings.robot, settings.prey, settings.arenas["open"], settings.physics,
         hunter_pose=Pose(0.12, 0.01, 0.0), prey_pose=Pose(0.0, 0.0, 0.0), catch_distance=1e-3,
     )  # fmt: skip
-    _, poses = foresee(near, 5.0)
+    _, poses = foresee(near.simulation, 5.0)
     assert np.abs(poses.y).max() < 1e-6
     assert poses.x[-1] > 0.15

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from trial_cases import Trial
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ArenaSettings, BodySettings, NoiseSettings, PreySettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Pose
-from bayeshunt.worlds.box2d.arena import Arena, Streams
 from bayeshunt.worlds.prey.behaviours import Context, behaviours, build_prey, prey_names, register_prey
 from bayeshunt.worlds.prey.proximity import proximity
 
@@ -20,9 +20,8 @@ QUIET = NoiseSettings(slip=0.0, drift_sd=0.0)
 
 def arena_with(prey, *, walled=False, seed=0, hunter=ORIGIN, at=AHEAD):
     paper = load_experiment("paper")
-    streams = Streams(*(np.random.default_rng([seed, k]) for k in range(3)))
-    return Arena(
-        paper.robot, prey, ArenaSettings(walled=walled), paper.physics, streams,
+    return Trial(
+        paper.robot, prey, ArenaSettings(walled=walled), paper.physics, seeds=[(seed, k) for k in range(3)],
         hunter_pose=hunter, prey_pose=at, catch_distance=0.01,
     )  # fmt: skip
 
@@ -30,7 +29,7 @@ def arena_with(prey, *, walled=False, seed=0, hunter=ORIGIN, at=AHEAD):
 def track(prey, seconds=12.0, **where):
     arena, moments = arena_with(prey, **where), []
     arena.run((0.0, 0.0), seconds, moments)
-    return np.array([m.prey for m in moments])
+    return np.array([m.poses["prey"] for m in moments])
 
 
 @pytest.mark.parametrize("walled", [False, True])
@@ -93,14 +92,13 @@ def test_a_body_of_any_size_leaves_the_wall(diameter):
     body = BodySettings(diameter=diameter, axle=0.9 * diameter)
     prey = PreySettings(noise=QUIET, sensor_noise=0.0, speed=0.06, body=body)
     paper = load_experiment("paper")
-    arena = Arena(
+    arena = Trial(
         paper.robot, prey, ArenaSettings(walled=True, width=3.0, height=3.0), paper.physics,
-        Streams(*(np.random.default_rng(k) for k in range(3))),
         hunter_pose=Pose(-1.0, -1.0, 0.0), prey_pose=Pose(1.0, 0.0, 0.3), catch_distance=0.01,
     )  # fmt: skip
     moments = []
     arena.run((0.0, 0.0), 30.0, moments)
-    path = np.array([m.prey for m in moments])
+    path = np.array([m.poses["prey"] for m in moments])
     assert path[:, 0].max() > 1.35 - 0.5 * (diameter - 0.057)  # it came to the wall ...
     assert path[:, 0].max() < 1.5 - 0.5 * diameter + 0.001
     assert path[-1][0] < 1.3  # ... and went

@@ -6,7 +6,7 @@ import Box2D
 import numpy as np
 import pytest
 
-from bayeshunt.worlds.box2d.arena import build_walls, new_world
+from bayeshunt.worlds.box2d.world import build_walls, new_world
 from bayeshunt.worlds.prey.proximity import (
     MAX_VALUE,
     MOUNT_RADIUS,

@@ -5,16 +5,19 @@ Every key has a unit, a range and a default here, and nowhere else. A wrong key 
 """
 
 from bayeshunt.config.schema.arena import ArenaSettings
+from bayeshunt.config.schema.bodies import BodySettings, DiscSettings, DriveSettings, GaitSettings, NoiseSettings
 from bayeshunt.config.schema.experiment import ExperimentSettings
 from bayeshunt.config.schema.groups import Settings
 from bayeshunt.config.schema.model import ModelSettings
 from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
-from bayeshunt.config.schema.robot import BodySettings, GaitSettings, NoiseSettings, RobotSettings
+from bayeshunt.config.schema.robot import RobotSettings
 
 __all__ = [
     "ArenaSettings",
     "BodySettings",
+    "DiscSettings",
+    "DriveSettings",
     "ExperimentSettings",
     "GaitSettings",
     "ModelSettings",

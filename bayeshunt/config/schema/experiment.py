@@ -28,6 +28,7 @@ class ExperimentSettings(ShownSettings):
     arenas: dict[str, ArenaSettings] = Field(
         default_factory=lambda: {"walled": ArenaSettings(walled=True), "open": ArenaSettings()}
     )
+    world: str = Field("box2d", min_length=1, description="what moves the bodies: box2d or a registered world")
     physics: PhysicsSettings = Field(default_factory=PhysicsSettings)
     protocol: ProtocolSettings = Field(default_factory=ProtocolSettings)
     model: ModelSettings = Field(default_factory=ModelSettings)

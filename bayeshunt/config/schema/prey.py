@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
+from bayeshunt.config.schema.bodies import BodySettings, NoiseSettings
 from bayeshunt.config.schema.groups import NonNegative, Positive, Settings, Share
-from bayeshunt.config.schema.robot import BodySettings, NoiseSettings
 
 __all__ = ["PreySettings"]
 

@@ -21,6 +21,7 @@ from bayeshunt.experiments.run.plugins import used_additions
 from bayeshunt.experiments.run.sources import source_hashes
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import model_file as model_files
+from bayeshunt.worlds.box2d.version import version as box2d_version
 
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
 LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy")
@@ -132,6 +133,8 @@ def _files(planner: dict[str, Any]) -> Iterator[tuple[str, str]]:
 @cache
 def _version(name: str) -> str:
     """Read once per process, not once per batch of hunts; a worker elsewhere may lack one."""
+    if name == "box2d":  # two packages bring it, so it says itself which version it is
+        return box2d_version()
     try:
         return version(name)
     except PackageNotFoundError:

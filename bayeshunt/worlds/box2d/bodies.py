@@ -1,108 +1,143 @@
-"""Robot bodies in Box2D: from a motor command to a velocity, one physics step at a time.
+"""Robot bodies in Box2D: from a gait to a velocity, one physics step at a time.
 
-Box2D's unit of length is one hunter body, so that its float32 numbers stay near 1. Everything
-here that is not named ``metres`` is in body lengths. These classes run once per physics step:
-plain floats, slots, and live vectors that Box2D hands out once (writing ``vector.x`` is one call,
-assigning ``body.linearVelocity`` four).
+Box2D's unit of length is one hunter body, so that its float32 numbers stay near 1. These classes run once per physics
+step: plain floats, slots, and live vectors that Box2D hands out once (writing ``vector.x`` is one call, assigning
+``body.linearVelocity`` four).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import cos, hypot, sin, tan
+from dataclasses import dataclass
+from math import cos, hypot, sin
+from operator import mul
 from typing import Any
 
 import Box2D
 import numpy as np
 
-from bayeshunt.config.schema import BodySettings, NoiseSettings, PhysicsSettings
+from bayeshunt.config.schema import DiscSettings, NoiseSettings, PhysicsSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose, wrap
 from bayeshunt.worlds.noise import actuator_factors
 
+__all__ = ["Drive", "Parts"]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a body in Box2D is made from.
+
+    world: the ``b2World``. unit: metres per Box2D unit. rng: of the actuators' noise.
+    """
+
+    name: str
+    world: Any
+    settings: DiscSettings
+    noise: NoiseSettings
+    physics: PhysicsSettings
+    unit: float
+    rng: np.random.Generator
+
 
 class Drive:
-    """A disc with two actuators that are tracked under rate limits and carry noise.
+    """A disc that any number A of actuators moves; they are tracked under rate limits and carry noise.
 
-    Subclasses say how fast the two actuators may change (:meth:`_rate_limits`), which lengths of the body
-    they need (:meth:`_measure`) and how the actuators move it (:meth:`_twist`); the actuators start at rest.
+    Subclasses say how fast the actuators may change (:meth:`limits`) and how they move the body (:meth:`twist`). Every
+    actuator starts at rest, and a gait's command holds their targets, in the unit of the body's gaits.
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_position", "_traction", "_velocity", "body", "factor_a", "factor_b",
-        "moving", "speed", "state_a", "state_b", "target_a", "target_b", "turn", "unit", "vx", "vy",
+        "_angular_sent", "_factors", "_limits", "_position", "_scale", "_traction", "_velocity", "body",
+        "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed", "state",
+        "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
 
-    def __init__(
-        self,
-        world: Any,
-        settings: BodySettings,
-        noise: NoiseSettings,
-        physics: PhysicsSettings,
-        unit: float,
-        rng: np.random.Generator,
-    ) -> None:
-        """Put a disc at the origin of ``world``; ``unit`` is metres per Box2D unit."""
+    def __init__(self, parts: Parts) -> None:
+        """Put a disc at the origin of the parts' world."""
+        settings, self.unit, self.name = parts.settings, parts.unit, parts.name
         fixture = Box2D.b2FixtureDef(
-            shape=Box2D.b2CircleShape(radius=0.5 * settings.diameter / unit),
+            shape=Box2D.b2CircleShape(radius=0.5 * settings.diameter / self.unit),
             density=1.0,
             friction=0.0,
             restitution=0.0,
         )
-        self.body = world.CreateDynamicBody(
+        self.body = parts.world.CreateDynamicBody(
             fixtures=fixture, allowSleep=False, linearDamping=0.0, angularDamping=0.0, bullet=False
         )
-        self.unit = unit
-        self._measure(settings)
+        self.settings, self.length = settings, settings.diameter
+        self.energy, self.falls, self.placed = 0.0, 0, False
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body
-        self._factors: Iterator[tuple[float, float]] = actuator_factors(noise, physics.control_interval, rng)
-        self._traction = settings.max_traction * physics.step / unit
-        self._limits = self._rate_limits(settings, physics.step)
-        self.state_a = self.state_b = self.target_a = self.target_b = 0.0
-        self.factor_a = self.factor_b = 1.0
-        self.speed = self.turn = self.vx = self.vy = self._angular_sent = 0.0
+        self._scale = 1.0 / self.unit
+        self._limits = tuple(self.limits(parts.physics.step))
+        count = len(self._limits)
+        self._factors: Iterator[tuple[float, ...]] = actuator_factors(
+            parts.noise, parts.physics.control_interval, parts.rng, count
+        )
+        self._traction = getattr(settings, "max_traction", float("inf")) * parts.physics.step / self.unit
+        self.state: tuple[float, ...] = (0.0,) * count
+        self.target = self.state
+        self.factors = (1.0,) * count
+        self.speed = self.slide = self.turn = self.vx = self.vy = self._angular_sent = 0.0
         self.moving = False  # an actuator has not reached its target yet
 
-    def _measure(self, settings: BodySettings) -> None:
-        """Keep what :meth:`_twist` needs of the body; ``self.unit`` is known by then."""
-
-    def _rate_limits(self, settings: BodySettings, step: float) -> tuple[float, float]:
-        """Largest change of each actuator in one physics step."""
+    def limits(self, step: float) -> tuple[float, ...]:
+        """Return the largest change of each actuator in one physics step of ``step`` [s]; as many as there are."""
         raise TypeError(f"{type(self).__name__} must say its rate limits")
 
-    def _twist(self, a: float, b: float) -> tuple[float, float]:
-        """Return speed [bodies/s] and turning rate [rad/s, counter-clockwise] for noisy actuator values."""
+    def twist(self, *values: float) -> tuple[float, float, float]:
+        """Return metres per second ahead and to the left, and radians per second counter-clockwise, of noisy values."""
         raise TypeError(f"{type(self).__name__} must say how its actuators move it")
 
-    def command(self, a: float, b: float) -> None:
-        """Set the actuators' targets, in the unit of the body's gaits (m/s, rad)."""
-        if a != self.target_a or b != self.target_b:
-            self.target_a, self.target_b = a, b
+    def command(self, gait: Gait) -> None:
+        """Set the actuators' targets; InputError unless there is one for each."""
+        if len(gait.command) != len(self.state):
+            raise InputError(
+                f"{self.name}: gait {gait.name!r} commands {len(gait.command)} actuators, not {len(self.state)}"
+            )
+        self.drive(gait.command)
+
+    def drive(self, target: tuple[float, ...]) -> None:
+        """Set the actuators' targets, unchecked: called once per control interval."""
+        if target != self.target:
+            self.target = target
             self.moving = True
 
     def next_interval(self) -> None:
         """Draw the noise of the next control interval."""
-        self.factor_a, self.factor_b = next(self._factors)
+        self.factors = next(self._factors)
         if not self.moving:
-            self.speed, self.turn = self._twist(self.state_a * self.factor_a, self.state_b * self.factor_b)
+            self._move()
+
+    def _move(self) -> None:
+        """Take over how fast the actuators, with their noise, now move the body."""
+        ahead, left, self.turn = self.twist(*map(mul, self.state, self.factors))
+        self.speed, self.slide = ahead * self._scale, left * self._scale
 
     def _track(self) -> None:
-        """Move both actuators towards their targets by at most one step's change."""
-        limit_a, limit_b = self._limits
-        gap_a, gap_b = self.target_a - self.state_a, self.target_b - self.state_b
-        self.state_a += max(-limit_a, min(limit_a, gap_a))
-        self.state_b += max(-limit_b, min(limit_b, gap_b))
-        self.moving = abs(gap_a) > limit_a or abs(gap_b) > limit_b
-        if not self.moving:
-            self.state_a, self.state_b = self.target_a, self.target_b
-        self.speed, self.turn = self._twist(self.state_a * self.factor_a, self.state_b * self.factor_b)
+        """Move every actuator towards its target by at most one step's change."""
+        limits, state = self._limits, self.state
+        gaps = [aim - now for aim, now in zip(self.target, state, strict=True)]
+        self.moving = any(abs(gap) > limit for gap, limit in zip(gaps, limits, strict=True))
+        if self.moving:
+            self.state = tuple(
+                now + max(-limit, min(limit, gap)) for now, gap, limit in zip(state, gaps, limits, strict=True)
+            )
+        else:
+            self.state = self.target
+        self._move()
 
     def advance(self) -> None:
         """Set the body's velocity for the next physics step."""
         if self.moving:
             self._track()
         angle = self.body.angle
-        vx, vy = self.speed * cos(angle), self.speed * sin(angle)
+        c, s = cos(angle), sin(angle)
+        vx, vy = self.speed * c, self.speed * s
+        if self.slide:
+            vx, vy = vx - self.slide * s, vy + self.slide * c
         dx, dy = vx - self.vx, vy - self.vy
         limit = self._traction
         if dx * dx + dy * dy > limit * limit:
@@ -122,7 +157,7 @@ class Drive:
 
     @property
     def position(self) -> Any:
-        """The live position vector [bodies]: read its x and y, never keep it as a value."""
+        """The live position vector [Box2D units]: read its x and y, never keep it as a value."""
         return self._position
 
     @property
@@ -135,60 +170,14 @@ class Drive:
         self.place(other.pose)
         self._velocity.x, self._velocity.y = other._velocity.x, other._velocity.y
         self.body.angularVelocity = other.body.angularVelocity
-        self.state_a, self.state_b = other.state_a, other.state_b
-        self.target_a, self.target_b, self.moving = other.target_a, other.target_b, other.moving
+        self.state, self.target, self.moving = other.state, other.target, other.moving
         self.read_back()
 
     def place(self, pose: Pose) -> None:
-        """Put the body at ``pose`` [m, rad]; velocities and actuators stay as they are."""
+        """Put the body at ``pose`` [m, rad]; velocities and actuators stay as they are, a control interval begins."""
         self.body.transform = ((pose.x / self.unit, pose.y / self.unit), pose.theta)
+        self.placed = True
 
 
-class DifferentialDrive(Drive):
-    """Two driven wheels; a and b are the left and right wheel speed [m/s]."""
-
-    __slots__ = ("_half_inverse_unit", "_inverse_axle")
-
-    def _measure(self, settings: BodySettings) -> None:
-        self._half_inverse_unit = 0.5 / self.unit
-        self._inverse_axle = 1.0 / settings.axle
-
-    def _rate_limits(self, settings: BodySettings, step: float) -> tuple[float, float]:
-        return settings.max_acceleration * step, settings.max_acceleration * step
-
-    def _twist(self, a: float, b: float) -> tuple[float, float]:
-        # v = (left + right) / 2, omega = (right - left) / axle
-        return (a + b) * self._half_inverse_unit, (b - a) * self._inverse_axle
-
-
-class CarDrive(Drive):
-    """Steered front wheels (bicycle model); a is the rear axle's speed [m/s], b the steering [rad]."""
-
-    __slots__ = ("_inverse_unit", "_inverse_wheelbase")
-
-    def _measure(self, settings: BodySettings) -> None:
-        self._inverse_unit = 1.0 / self.unit
-        self._inverse_wheelbase = 1.0 / settings.wheelbase
-
-    def _rate_limits(self, settings: BodySettings, step: float) -> tuple[float, float]:
-        return settings.max_acceleration * step, settings.max_steering_rate * step
-
-    def _twist(self, a: float, b: float) -> tuple[float, float]:
-        # v = a, omega = a tan(b) / wheelbase
-        return a * self._inverse_unit, a * tan(b) * self._inverse_wheelbase
-
-
-#: How each ``body.drive`` of the settings is built; add a new kind of body here.
-DRIVES: dict[str, Callable[..., Drive]] = {"differential": DifferentialDrive, "car": CarDrive}
-
-
-def build_drive(
-    world: Any,
-    settings: BodySettings,
-    noise: NoiseSettings,
-    physics: PhysicsSettings,
-    unit: float,
-    rng: np.random.Generator,
-) -> Drive:
-    """Return the drive that ``settings.drive`` names, at the origin of ``world``."""
-    return DRIVES[settings.drive](world, settings, noise, physics, unit, rng)
+#: Makes a body in Box2D: usually a subclass of :class:`Drive`.
+BodyFactory = Callable[[Parts], Drive]

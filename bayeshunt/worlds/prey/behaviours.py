@@ -151,6 +151,17 @@ class Evader:
         return self._context.wheels(settings.speed, turn)
 
 
+class Alone:
+    """A behaviour that never sees a hunter: it is told of one that is ``far`` [m] away."""
+
+    def __init__(self, behaviour: Prey, far: float) -> None:
+        self._act, self._far = behaviour.act, far
+
+    def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
+        """See :class:`Prey`."""
+        return self._act(x, y, wrap(float(theta)), self._far, self._far)
+
+
 _ACT = "act(x, y, theta, hunter_x, hunter_y) -> (left, right)"
 _WHEELS = "expected (left, right), two finite wheel speeds [m/s]"
 

@@ -1,0 +1,238 @@
+"""The world that ships: Box2D seen from above, one hunter, any prey, and the catch, checked at every physics step.
+
+A world serves one trial. A reused ``b2World`` carries contact state over and gives another result for the same trial,
+so every reset makes a fresh one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import inf
+from typing import Any
+
+import Box2D
+import numpy as np
+
+from bayeshunt.config.schema import NoiseSettings
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import Gait
+from bayeshunt.core.geometry import Pose
+from bayeshunt.core.messages import Moment, Reach, Run
+from bayeshunt.core.protocols import Map
+from bayeshunt.worlds.bodies import body_factory
+from bayeshunt.worlds.box2d.bodies import Drive, Parts
+from bayeshunt.worlds.box2d.trail import Place, Trail
+from bayeshunt.worlds.box2d.version import version
+from bayeshunt.worlds.maps import map_of
+from bayeshunt.worlds.prey.behaviours import Alone, Context, Prey, build_prey
+from bayeshunt.worlds.scene import HUNTER, Scene
+
+__all__ = ["Box2DWorld", "build_walls", "new_world"]
+
+#: Box2D units between two surfaces beyond which Box2D does not look for a contact: far more than a step's way.
+_MARGIN = 4.0
+_NO_NOISE = NoiseSettings(slip=0.0, drift_sd=0.0)
+
+
+class Box2DWorld:
+    """A trial in progress: see ``bayeshunt.protocols.World``."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.physics = scene.physics
+        self.map: Map = map_of(scene.arena)
+        self.control_interval = scene.physics.control_interval
+        self.identity: Mapping[str, str] = {"engine": "box2d", "version": version()}
+        self.unit = scene.robot.body.diameter
+        self.bodies: dict[str, Drive] = {}
+        self._drives: tuple[Drive, ...] = ()
+        self._steps = self._phase = 0  # physics steps taken in all, and in the present control interval
+        self._prey: list[tuple[int, Drive, Prey]] = []  # those that steer themselves, and their place in the order
+
+    # --- one trial ----------------------------------------------------------------------------
+
+    def reset(self, start: Mapping[str, Pose], streams: Mapping[str, np.random.Generator]) -> Moment:
+        """Make the bodies of ``start`` at rest in a fresh world: "hunter" is the robot, every other name a prey."""
+        self._begin()
+        for name, pose in start.items():
+            body = self._add(name, streams[name])
+            body.place(pose)
+            if name != HUNTER:
+                mind = build_prey(self._context(streams[f"{name}_control"]))
+                self._prey.append((len(self._drives) - 1, body, mind))
+        return Moment(self.time, {name: body.pose for name, body in self.bodies.items()})
+
+    @property
+    def time(self) -> float:
+        """Seconds since the reset: whole physics steps."""
+        return self._steps * self.physics.step
+
+    def run(self, gaits: Mapping[str, Gait], duration: float, until: Reach | None = None) -> Run:
+        """Hold ``gaits`` for ``duration`` [s] (at least one physics step, unless it is 0) or until the catch."""
+        for name, gait in gaits.items():
+            self._body(name).command(gait)
+        self._aim(until)
+        trail = Trail(self.bodies, self.unit, self.physics.step)
+        if self._reached():
+            return Run(trail, until and until.whom)
+        self._begin_interval_if_placed()
+        steered = [(number, body, mind) for number, body, mind in self._prey if body.name not in gaits]
+        remaining = self.physics.steps(duration) if duration > 0 else 0
+        if not remaining:
+            return Run(trail)
+        begun, stopped = self._steps, False
+        while remaining > 0 and not stopped:
+            if not self._phase:
+                places = self._look()
+                if self._steps > begun:
+                    trail.note(self._steps, places)
+                self._decide(steered, places)
+            count = min(self.physics.control_steps - self._phase, remaining)
+            taken = self._advance(count)
+            stopped, taken = taken < 0, abs(taken)
+            self._phase = (self._phase + taken) % self.physics.control_steps
+            self._steps += taken
+            remaining -= count
+        trail.note(self._steps, self._look())
+        return Run(trail, until.whom if until is not None and stopped else None, dict.fromkeys(self.bodies, 0.0))
+
+    def fork(self, *only: str) -> Box2DWorld:
+        """Return a noise-free twin; its prey's behaviour starts anew and sees no hunter that is left out."""
+        twin = Box2DWorld(self._quiet(alone=bool(only) and HUNTER not in only))
+        twin._begin()
+        nobody = np.random.default_rng(0)  # every noise is zero: what it draws has no effect
+        steered = {body.name for _, body, _ in self._prey}
+        for name in only or self.bodies:
+            body = twin._add(name, nobody)
+            body.continue_as(self._body(name))
+            if name in steered:
+                mind = build_prey(twin._context(nobody))
+                mind = mind if HUNTER in twin.bodies else Alone(mind, 1e6 * self.unit)
+                twin._prey.append((len(twin._drives) - 1, body, mind))
+        return twin
+
+    def close(self) -> None:
+        """Let go of the Box2D world."""
+        self.bodies, self._prey, self._drives = {}, [], ()
+
+    # --- inside -------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        self.world = new_world()
+        self.bodies, self._prey = {}, []
+        self._steps = self._phase = 0
+        arena = self.scene.arena
+        if arena.walled:
+            build_walls(self.world, arena.width / self.unit, arena.height / self.unit)
+
+    def _add(self, name: str, rng: np.random.Generator) -> Drive:
+        """Make a body at the origin. Bodies are made in the order of their names' coming: it counts in Box2D."""
+        source = self.scene.robot if name == HUNTER else self.scene.prey
+        if source is None:
+            raise InputError(f"the scene has no prey, so there is no body {name!r}")
+        settings = source.body
+        body: Drive = body_factory(settings.drive)(
+            Parts(name, self.world, settings, source.noise, self.physics, self.unit, rng)
+        )
+        self.bodies[name] = body
+        self._drives = tuple(self.bodies.values())
+        self._moves = tuple(drive.advance for drive in self._drives)
+        self._live = [(drive.position, drive.body) for drive in self._drives]
+        self._hunter = list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
+        return body
+
+    def _body(self, name: str) -> Drive:
+        if name not in self.bodies:
+            raise InputError(f"the world has no body {name!r}; it has {', '.join(self.bodies) or 'none yet'}")
+        return self.bodies[name]
+
+    def _context(self, rng: np.random.Generator) -> Context:
+        assert self.scene.prey is not None  # a body that is a prey has been made
+        robot, arena = self.scene.robot, self.scene.arena
+        return Context(self.scene.prey, arena, robot.body.diameter, self.control_interval, rng)
+
+    def _quiet(self, *, alone: bool) -> Scene:
+        """The scene without noise and, for a prey that is alone, without a hunter to sense."""
+        robot = self.scene.robot.model_copy(update={"noise": _NO_NOISE})
+        changes: dict[str, Any] = {"noise": _NO_NOISE, "sensor_noise": 0.0, "turn_sd": 0.0}
+        if alone:
+            changes["senses_hunter"] = False
+        prey = None if self.scene.prey is None else self.scene.prey.model_copy(update=changes)
+        return Scene(robot, prey, self.scene.arena, self.physics)
+
+    def _aim(self, until: Reach | None) -> None:
+        """Keep whose distance is looked at in every physics step; of nobody, one that is never short enough."""
+        if until is None:
+            first = self._drives[0].position
+            self._pair, self._near, self._apart = (first, first), -1.0, inf
+            return
+        self._pair = self._body(until.who).position, self._body(until.whom).position
+        self._near = (until.distance / self.unit) ** 2
+        # Two bodies in the open can touch nothing but each other, and that only when they are near.
+        pair = len(self._drives) == 2 and not self.scene.arena.walled
+        lengths = sum(body.length for body in self._drives) / self.unit
+        self._apart = (0.5 * lengths + _MARGIN) ** 2 if pair else inf
+
+    def _reached(self) -> bool:
+        one, other = self._pair
+        dx, dy = one.x - other.x, one.y - other.y
+        return bool(dx * dx + dy * dy <= self._near)
+
+    def _begin_interval_if_placed(self) -> None:
+        if any(body.placed for body in self._drives):
+            self._phase = 0
+            for body in self._drives:
+                body.placed = False
+
+    def _look(self) -> list[Place]:
+        """Where every body is, in their order."""
+        return [(at.x, at.y, body.angle) for at, body in self._live]
+
+    def _decide(self, steered: Sequence[tuple[int, Drive, Prey]], places: list[Place]) -> None:
+        """At the start of a control interval: new noise, and every prey decides."""
+        unit = self.unit
+        for body in self._drives:
+            body.next_interval()
+        x, y, _ = places[self._hunter]
+        for number, body, mind in steered:
+            own_x, own_y, theta = places[number]
+            body.drive(mind.act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
+
+    def _advance(self, count: int) -> int:
+        """Take up to ``count`` physics steps; return how many, negative if the last of them was the catch."""
+        world, physics, near, far = self.world, self.physics, self._near, self._apart
+        step, (one, other), moves = world.Step, self._pair, self._moves
+        interval, velocity, position = physics.step, physics.velocity_iterations, physics.position_iterations
+        for taken in range(1, count + 1):
+            for move in moves:
+                move()
+            step(interval, velocity, position)
+            dx, dy = one.x - other.x, one.y - other.y
+            gap = dx * dx + dy * dy
+            if gap < far and world.contactCount:
+                for body in self._drives:
+                    body.read_back()
+            if gap <= near:
+                return -taken
+        return count
+
+
+def new_world() -> Any:
+    """Return an empty Box2D world seen from above: no gravity, nothing sleeps."""
+    return Box2D.b2World(gravity=(0, 0), doSleep=False)
+
+
+def build_walls(world: Any, width: float, height: float) -> Any:
+    """Add four walls around a rectangle [Box2D units] centred on the origin; return their body."""
+    thick = 1.0
+    x, y = 0.5 * width, 0.5 * height
+    boxes = (
+        ((x + thick, 0.0), (thick, y + 2 * thick)),
+        ((-x - thick, 0.0), (thick, y + 2 * thick)),
+        ((0.0, y + thick), (x + 2 * thick, thick)),
+        ((0.0, -y - thick), (x + 2 * thick, thick)),
+    )
+    walls = world.CreateStaticBody()
+    for centre, half in boxes:
+        walls.CreateFixture(shape=Box2D.b2PolygonShape(box=(*half, centre, 0.0)), friction=0.0, restitution=0.0)
+    return walls

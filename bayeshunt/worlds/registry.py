@@ -1,0 +1,66 @@
+"""Worlds by name: ``world = "box2d"`` in an experiment, or one of your own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from bayeshunt.core.errors import InputError, did_you_mean, shown
+from bayeshunt.core.protocols import World
+from bayeshunt.worlds.scene import Scene
+
+__all__ = ["BOX2D", "WorldFactory", "make_world", "register_world", "registered_worlds", "world_names"]
+
+#: Makes a world from a scene.
+WorldFactory = Callable[[Scene], World]
+#: The world that ships.
+BOX2D = "box2d"
+
+
+def _box2d(scene: Scene) -> World:
+    from bayeshunt.worlds.box2d.world import Box2DWorld  # only when asked for: another engine needs no Box2D
+
+    return Box2DWorld(scene)
+
+
+_WORLDS: dict[str, WorldFactory] = {BOX2D: _box2d}
+_SHIPPED = frozenset(_WORLDS)
+
+
+def register_world(name: str, factory: WorldFactory) -> None:
+    """Give a world a name that ``world = NAME`` in an experiment may use.
+
+    factory: called with a :class:`Scene` for every trial, gives a ``bayeshunt.protocols.World``. Worker processes of an
+    evaluation are told of it too. Raises InputError if the name is empty or ships, or nothing can be called.
+    """
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(f"a world needs a name, got {shown(name)}")
+    if name in _SHIPPED:
+        raise InputError(f"a world called {name!r} ships already; choose another name")
+    if not callable(factory):
+        raise InputError(f"world {name!r}: expected what makes one from a Scene, got {shown(factory)}")
+    _WORLDS[name] = factory
+
+
+def registered_worlds() -> Mapping[str, WorldFactory]:
+    """Return the worlds registered beside those that ship, by name."""
+    return {name: factory for name, factory in _WORLDS.items() if name not in _SHIPPED}
+
+
+def world_names() -> list[str]:
+    """Return the names of all worlds."""
+    return sorted(_WORLDS)
+
+
+def make_world(name: str, scene: Scene) -> World:
+    """Return a fresh world for one trial; InputError if none is called ``name``, or what was made is none."""
+    check_world_name(name)
+    world = _WORLDS[name](scene)
+    if not isinstance(world, World):
+        raise InputError(f"world {name!r}: {shown(world)} is no bayeshunt.protocols.World; run bayeshunt.check_world")
+    return world
+
+
+def check_world_name(name: str) -> None:
+    """Raise InputError if no world is called ``name``."""
+    if name not in _WORLDS:
+        raise InputError(f"unknown world {name!r}{did_you_mean(name, world_names())}")
