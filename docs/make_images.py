@@ -83,7 +83,7 @@ def draw_explorer(browser: Browser, model: bh.ForwardModel, folder: Path) -> Non
     values = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
     page = browser.new_page(viewport={"width": 860, "height": 480})
     (folder / "explorer.html").write_text(
-        f"<!doctype html><meta charset='utf-8'><style>{asset('explorer.css')}</style><div id='place'></div>"
+        f"<!doctype html><meta charset='utf-8'><style>{bh.Explorer._css}</style><div id='place'></div>"
         f"<script type='application/json' id='values'>{embed(json.loads(json.dumps(values)))}</script>"
         f"<script type='text/plain' id='widget'>{asset('units.js')}{asset('explorer.js')}</script>"
         f"<script>{_STAND_IN}</script>",

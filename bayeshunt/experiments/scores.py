@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.checks import check_whole
@@ -35,6 +37,21 @@ def wilson_interval(successes: int, runs: int) -> tuple[float, float]:
     low = 0.0 if successes == 0 else (centre - spread) / scale
     high = 1.0 if successes == runs else (centre + spread) / scale
     return low, high
+
+
+def mean_interval(values: ArrayLike) -> tuple[float, float]:
+    """Return the 95 % interval of a mean: Student's t; the mean itself twice for fewer than two values.
+
+    Of catch times this is the interval of the mean over hunts, a miss counting as the time limit.
+    """
+    array = np.asarray(values, dtype=float)
+    mean = float(array.mean())
+    if len(array) < 2:
+        return mean, mean
+    from scipy.stats import t
+
+    half = float(t.ppf(0.975, len(array) - 1) * array.std(ddof=1) / math.sqrt(len(array)))
+    return mean - half, mean + half
 
 
 def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[str, Any]]:

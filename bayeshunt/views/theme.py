@@ -1,30 +1,53 @@
-"""Colours and style sheets that pages, notebook displays and figures share.
+"""Colours and style sheets of pages, notebook displays and figures: one palette in which a colour has a meaning.
 
-Hunter and prey, and the gaits, keep their colour everywhere. Robots are coloured after Okabe and Ito
-(2008); the gaits' colours were chosen so that every pair stays apart for colour-blind readers too (CIE
-1976 distance above 20 as protanopes and deuteranopes see them).
+Blue is the hunter, orange the prey, purple what is chosen, green a catch, slate a probability; planners have colours
+that are none of these. Gaits go from grey (straight) by hue as they turn, cool to the left and warm to the right: every
+pair stays apart for colour-blind readers too (CIE 1976 distance above 20 as protanopes and deuteranopes see them), and
+one colour serves the light and the dark theme. Text has a contrast of 4.5 to 1 or more, marks of 3 to 1.
 """
 
 from __future__ import annotations
 
-#: Light and dark values of every colour: ink, paper, lines, heat (as red, green, blue), robots, accent.
+from collections.abc import Iterable
+
+import numpy as np
+
+from bayeshunt.core.errors import ZeroCountError
+from bayeshunt.models.body.forward import ForwardModel
+
+#: Light and dark values of every colour by its meaning; heat and glow as red, green, blue.
 COLOURS = {
     "ink": ("#1b1f24", "#e8eaed"),
-    "faint": ("#5b636d", "#9aa4b0"),
+    "faint": ("#55616f", "#a3afbd"),
     "paper": ("#ffffff", "#15181c"),
-    "panel": ("#f4f6f8", "#20252b"),
+    "ground": ("#f6f7f9", "#101317"),
+    "panel": ("#f0f3f6", "#20252b"),
     "line": ("#d5dae0", "#3a424c"),
-    "heat": ("86, 180, 233", "0, 104, 164"),
-    "bar": ("#4a90c2", "#5aa9e0"),
-    "accent": ("#b04a00", "#ffb454"),
-    "glow": ("255, 196, 120", "140, 80, 10"),
-    "hunter": ("#0072b2", "#56b4e9"),
-    "prey": ("#d55e00", "#f0a030"),
+    "grid": ("#e9edf2", "#242a31"),
+    "wall": ("#7c8896", "#8a97a6"),
+    "heat": ("150, 190, 220", "45, 90, 125"),
+    "bar": ("#64788f", "#8296ab"),
+    "chosen": ("#7b2d8e", "#d8a0f5"),
+    "glow": ("222, 190, 235", "96, 52, 120"),
+    "hunter": ("#0067a5", "#56b4e9"),
+    "prey": ("#b54a00", "#f0a030"),
+    "good": ("#12703f", "#6fd39f"),
+    "bad": ("#a3262a", "#f59a9a"),
+    "new": ("#fdf0d9", "#40321a"),
 }
-#: One colour per gait, in table order; more gaits start over (and differ by their marker).
-GAITS = (
-    "#332288", "#e69f00", "#1a85ff", "#dc3220", "#56b4e9", "#882255", "#0072b2", "#a6a6a6", "#e1be6a", "#661100",
+#: Light and dark colour of each planner, in the order in which they are shown; more planners start over.
+PLANNERS = (
+    ("#0b7a5c", "#5ccfab"), ("#b3225f", "#f58cb5"), ("#6b6400", "#d6c94f"), ("#24284f", "#e4e6fb"),
+    ("#8c6d1f", "#c9ad62"), ("#4a7a12", "#9ccf7c"), ("#7a4a2b", "#c99b7a"), ("#717a86", "#8f99a5"),
 )  # fmt: skip
+#: Gaits by how they turn, each list from the one that turns least: light and dark, as in :data:`COLOURS`.
+GAITS = {
+    "straight": (("#4b4b4b", "#e1e1e1"), ("#1e1e0f", "#696969")),
+    "left": (("#2d875a", "#00ffa5"), ("#2d6987", "#5ad2ff"), ("#3c4bff", "#4b69ff"), ("#9600b4", "#a55ac3")),
+    "right": (("#96964b", "#ffe11e"), ("#783c1e", "#ff964b"), ("#f00f00", "#d21e2d"), ("#ff00b4", "#f069b4")),
+}
+#: Up to this bearing of its end [rad] a gait counts as straight.
+_STRAIGHT_UP_TO = 0.05
 
 _RULES = """
 .bh{background:var(--bh-paper);color:var(--bh-ink);border:1px solid var(--bh-line);border-radius:8px;
@@ -55,7 +78,7 @@ _RULES = """
 .bh thead th:first-child{left:0;z-index:3;text-align:left}
 .bh .bh-left{text-align:left}
 .bh .bh-heat td{background:rgba(var(--bh-heat),var(--p,0))}
-.bh .bh-heat td:hover{outline:2px solid var(--bh-accent);outline-offset:-2px}
+.bh .bh-heat td:hover{outline:2px solid var(--bh-chosen);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
 @media(hover:hover){.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
  position:absolute;left:0;bottom:0;font-size:12px}}
@@ -74,7 +97,7 @@ _RULES = """
 .bh .bh-lit{font-weight:600}
 .bh tr.bh-lit th,.bh tr.bh-lit td{font-weight:600}
 .bh .bh-bar{display:block;height:12px;border-radius:2px;background:var(--bh-bar);min-width:1px}
-.bh tr.bh-lit .bh-bar{background:var(--bh-accent)}
+.bh tr.bh-lit .bh-bar{background:var(--bh-chosen)}
 .bh .bh-track{width:220px}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
@@ -87,22 +110,64 @@ _RULES = """
 """
 
 
-def style() -> str:
-    """Return the style sheet of every display: light or dark by the system, by JupyterLab or by VS Code."""
+def palette(selector: str) -> str:
+    """Return the rules that give ``selector`` all colours as ``--bh-...``, light or dark as the system or notebook is.
+
+    JupyterLab's and VS Code's own themes win over the system's.
+    """
     light, dark = (_variables(shade) for shade in (0, 1))
     return (
-        f".bh{{{light}}}\n@media (prefers-color-scheme:dark){{.bh{{{dark}}}}}\n"
-        # A notebook's own theme wins over the system's.
-        f'[data-jp-theme-light="true"] .bh,body.vscode-light .bh{{{light}}}\n'
-        f'[data-jp-theme-light="false"] .bh,body.vscode-dark .bh{{{dark}}}{_RULES}'
+        f"{selector}{{{light}}}\n@media (prefers-color-scheme:dark){{{selector}{{{dark}}}}}\n"
+        f'[data-jp-theme-light="true"] {selector},body.vscode-light {selector}{{{light}}}\n'
+        f'[data-jp-theme-light="false"] {selector},body.vscode-dark {selector}{{{dark}}}\n'
     )
 
 
+def style() -> str:
+    """Return the style sheet of every display.
+
+    Every rule names its root thrice, so that it wins over the sheets of the notebooks around it.
+    """
+    return palette(".bh") + _RULES.replace(".bh ", ".bh.bh.bh ")
+
+
 def _variables(shade: int) -> str:
+    values = {name: pair[shade] for name, pair in COLOURS.items()}
+    values |= {f"planner-{index}": pair[shade] for index, pair in enumerate(PLANNERS, start=1)}
+    values |= {f"{side}-{rank}": pair[shade] for side, pairs in GAITS.items() for rank, pair in enumerate(pairs)}
     scheme = "color-scheme:" + ("light", "dark")[shade]
-    return ";".join([scheme, *(f"--bh-{name}:{values[shade]}" for name, values in COLOURS.items())])
+    return ";".join([scheme, *(f"--bh-{name}:{value}" for name, value in values.items())])
 
 
-def gait_colour(index: int) -> str:
-    """Return the colour of the gait at ``index`` in table order."""
-    return GAITS[index % len(GAITS)]
+def gait_names(turns: Iterable[float]) -> list[tuple[str, int]]:
+    """Return the side and the rank on it of each gait by how far it turns [rad clockwise], as keys of :data:`GAITS`.
+
+    NaN, where nobody knows, counts as straight; where a side has more gaits than colours it starts over.
+    """
+    angles = np.nan_to_num(np.array(list(turns), dtype=float))
+    sides = np.where(np.abs(angles) <= _STRAIGHT_UP_TO, "straight", np.where(angles < 0, "left", "right"))
+    names = [("", 0)] * len(angles)
+    for side, colours in GAITS.items():
+        chosen = np.flatnonzero(sides == side)
+        for rank, index in enumerate(chosen[np.argsort(np.abs(angles[chosen]), kind="stable")].tolist()):
+            names[index] = (side, rank % len(colours))
+    return names
+
+
+def gait_colours(model: ForwardModel) -> list[str]:
+    """Return the colour of every gait of a model in table order, for figures on white."""
+    return [GAITS[side][rank][0] for side, rank in gait_names(_turn(model, i) for i in range(len(model.gaits)))]
+
+
+def gait_variables(model: ForwardModel) -> list[str]:
+    """Return the same for drawings that follow the theme: CSS variables."""
+    return [f"var(--bh-{side}-{rank})" for side, rank in gait_names(_turn(model, i) for i in range(len(model.gaits)))]
+
+
+def _turn(model: ForwardModel, gait: int) -> float:
+    """Bearing of a gait's mean end: half of what it turns, and unlike its heading not wrapped before a full turn."""
+    try:
+        end = model.predict(model.gaits[gait])
+    except ZeroCountError:
+        return 0.0
+    return float(end.angle if end.distance > 0.1 * model.gaits.body_length else end.heading)

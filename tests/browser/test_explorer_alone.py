@@ -24,7 +24,7 @@ def page(open_page, model, tmp_path):
     explorer = bh.Explorer(model, distance=0.1, angle=0.5)
     state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
     script = (asset("units.js") + asset("explorer.js")).replace("export default", "const explorer =")
-    text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{asset('explorer.css')}</style>"
+    text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{explorer._css}</style>"
     (tmp_path / "page.html").write_text(text, encoding="utf-8")
     page, watch = open_page(tmp_path / "page.html", viewport={"width": 360, "height": 800})
     yield page
@@ -36,7 +36,7 @@ def test_one_line_is_spoken_and_not_the_whole_panel(page, model):
     assert page.get_by_role("status").inner_text().startswith(f"Most probable gait {answer.best}; support ")
     assert page.locator("[aria-live]").count() == 0
     label = page.get_by_role("application").get_attribute("aria-label")
-    assert label.startswith("Target 100 millimetres at 29°")
+    assert label.startswith("Target 100 mm at 29°")
 
 
 def test_arrow_keys_tell_python_where_the_target_is(page, model):

@@ -5,7 +5,7 @@ import pytest
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import InputError
-from bayeshunt.experiments.scores import as_evaluated, summarise, wilson_interval
+from bayeshunt.experiments.scores import as_evaluated, mean_interval, summarise, wilson_interval
 
 
 @pytest.mark.parametrize(
@@ -82,3 +82,9 @@ def test_another_structure_has_no_published_counterpart():
 def test_impossible_counts_are_refused(successes, runs, said):
     with pytest.raises(InputError, match=said):
         wilson_interval(successes, runs)
+
+
+def test_the_interval_of_a_mean_is_students():
+    low, high = mean_interval([10.0, 20.0, 60.0])  # t(0.975, 2) = 4.302653 times 26.457513 / sqrt(3), by hand
+    assert (low, high) == (pytest.approx(30 - 65.7241, abs=1e-3), pytest.approx(30 + 65.7241, abs=1e-3))
+    assert mean_interval([7.5]) == (7.5, 7.5)

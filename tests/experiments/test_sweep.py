@@ -13,7 +13,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.protocol import hunt_seed
 from bayeshunt.experiments.run.runner import evaluate
-from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.scores import mean_interval, summarise
 from bayeshunt.experiments.studies.memories import remember, training_seed
 from bayeshunt.experiments.studies.references import reference
 from bayeshunt.experiments.studies.sweep import AXES, COLUMNS, at_point, combinations, sweep
@@ -101,7 +101,10 @@ def test_the_rows_are_those_of_an_evaluation(settings):
     alone = evaluate(point, planners=["reactive", "prediction"], arenas=["open"])
     totals = [row for row in summarise(alone, point) if row["theta"] is None]
     for row, total in zip(frame.to_dict("records")[:2], totals, strict=True):
-        assert {name: row[name] for name in COLUMNS} == {name: total[name] for name in COLUMNS}
+        shared = [name for name in COLUMNS if not name.startswith("mean_time_s_")]
+        assert {name: row[name] for name in shared} == {name: total[name] for name in shared}
+        hunts = alone[alone["planner"] == row["planner"]]["time"]
+        assert (row["mean_time_s_low"], row["mean_time_s_high"]) == mean_interval(hunts)
 
 
 def test_a_sweep_goes_on_where_it_stopped(settings, tmp_path):

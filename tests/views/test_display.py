@@ -463,3 +463,27 @@ def test_a_pose_without_a_heading_has_no_nose(khepera_model, name, robots) -> No
         robots = 1
     assert len(re.findall(r"<polygon[^>]*><title>prey, ", drawing)) == robots
     assert len(re.findall("<title>target", drawing)) == 1
+
+
+def test_the_card_of_an_inverse_model_stays_small_however_wide_its_tables() -> None:
+    """Neighbouring coordinates share a sector; every one of them is still counted in the words."""
+    import pandas as pd
+
+    distances, angles = np.meshgrid((np.arange(640) + 0.5) * 0.001, (np.arange(36) - 17) * math.tau / 36)
+    count = distances.size
+    gaits = np.where(angles.ravel() < 0, "left", "right")
+    frame = pd.DataFrame({"gait": gaits, "distance": distances.ravel(), "angle": angles.ravel(), "heading": 0.0})
+    axes = bh.EffectAxes.standard(0.01)
+    inverse = bh.InverseModel(bh.ForwardModel.fit(frame, ["left", "right"], axes=axes))
+    html = inverse._repr_html_()
+    page = check(html)
+    assert count == len(inverse.table()) == 23_040
+    assert len(html.encode()) < 500_000
+    hints = [e["text"] for e in page.find("title")]
+    assert sum(int(found.group(1)) for hint in hints if (found := re.search(r"of (\d+) coordinates", hint))) == count
+    assert 400 < len(hints) <= 1502
+
+
+def test_every_coordinate_is_drawn_where_there_are_few(shown) -> None:
+    hints = [e["text"] for e in check(maps.inverse_map(shown.inverse)).find("title")]
+    assert len(hints) == len(shown.inverse.table()) + 1

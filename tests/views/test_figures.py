@@ -206,8 +206,8 @@ def test_drawing_leaves_matplotlib_as_it_was(shown) -> None:
 
 def test_gait_colours_differ_for_colour_blind_readers() -> None:
     """Ten colours stay apart (CIE 1976 distance over 20) as deuteranopes and protanopes see them."""
-    rgb = np.array([mpl.colors.to_rgb(c) for c in theme.GAITS])
-    for matrix in (np.eye(3), PROTAN, DEUTAN):
+    for shade, matrix in itertools.product((0, 1), (np.eye(3), PROTAN, DEUTAN)):
+        rgb = np.array([mpl.colors.to_rgb(pair[shade]) for side in theme.GAITS.values() for pair in side])
         lab = _lab(np.clip(_linear(rgb) @ matrix.T, 0, 1))
         gaps = [np.linalg.norm(a - b) for a, b in itertools.combinations(lab, 2)]
         assert min(gaps) > 20
@@ -228,3 +228,21 @@ def _lab(linear: np.ndarray) -> np.ndarray:
     xyz = linear @ to_xyz.T / (to_xyz.sum(axis=1))
     f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
     return np.column_stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])])
+
+
+def test_outcomes_of_many_rows_stay_a_small_vector_file(khepera_frame, khepera_model, tmp_path) -> None:
+    import pandas as pd
+
+    many = bh.ForwardModel.fit(pd.concat([khepera_frame] * 5, ignore_index=True), khepera_model.gaits)
+    _, path = figures.save(figures.gait_outcomes(many), tmp_path, "outcomes")
+    assert path.suffix == ".svg"
+    assert path.stat().st_size < 400_000
+
+
+def test_a_long_prey_table_says_how_many_cells_it_shows() -> None:
+    prey = bh.PreyModel()
+    for i in range(60):
+        prey.observe(bh.Polar(0.01 + 0.006 * (i % 40), 0.0, 0.0))
+    figure = figures.prey_table(prey)
+    assert figure.axes[0].get_title("left") == f"60 transitions, 24 of {len(prey.counts)} cells"
+    check_room(figure)

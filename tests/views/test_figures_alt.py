@@ -28,3 +28,12 @@ def test_pyplot_does_not_show_it_again():
     figure, _ = plt.subplots()
     figures.described(figure, "Empty axes.")
     assert not plt.fignum_exists(figure.number)
+
+
+def test_a_described_figure_is_written_like_any_other(tmp_path):
+    figure = Figure()
+    figure.subplots().plot([0, 1])
+    shown = figures.described(figure, "a line")
+    shown.savefig(tmp_path / "line.svg", metadata={"Date": None})
+    assert "<svg" in (tmp_path / "line.svg").read_text()
+    assert type(shown._repr_html_()) is str

@@ -107,3 +107,23 @@ def test_the_labels_of_neighbouring_values_do_not_touch(values):
     boxes = [label.get_window_extent() for label in shown]
     assert len(boxes) > 1
     assert all(one.x1 + 4 < two.x0 for one, two in pairwise(boxes))
+
+
+def test_mean_times_have_their_interval_and_labels_say_which():
+    frame = a_sweep([0.5, 0.9, 1.2]).assign(mean_time_s_low=25.0, mean_time_s_high=35.0)
+    top, bottom = sweep_figure(frame).axes
+    assert len(bottom.collections) == 1  # the planner's band; the limit has none
+    heights = bottom.collections[0].get_paths()[0].vertices[:, 1]
+    assert (heights.min(), heights.max()) == (25.0, 35.0)
+    assert "95 % Wilson" in top.get_ylabel()
+    assert "95 % interval" in bottom.get_ylabel()
+
+
+def test_a_tradeoff_has_whiskers_on_both_means():
+    means = dict.fromkeys(("mean_transitions", "mean_distance_m", "mean_time_s"), 10.0)
+    limits = {f"{name}_{end}": value for name in means for end, value in (("low", 8.0), ("high", 13.0))}
+    frame = pd.DataFrame([{"planner": "frugal", "weight": "", "value": 0.0, **means, **limits}])
+    for axes in tradeoff_figure(frame).axes[:2]:
+        across, up = (c.get_segments()[0] for c in axes.collections)
+        assert (across[0][0], across[1][0], up[0][1], up[1][1]) == (8.0, 13.0, 8.0, 13.0)
+        assert "95 %" in tradeoff_figure(frame).axes[0].get_ylabel()

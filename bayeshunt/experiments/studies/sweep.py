@@ -17,7 +17,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.preparation import check_planners
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.run.runner import Progress, check_minds, evaluate
-from bayeshunt.experiments.scores import summarise
+from bayeshunt.experiments.scores import mean_interval, summarise
 from bayeshunt.models.body.forward import ForwardModel
 
 #: Names for sweeps that people ask for; any other axis is a dotted key of the settings.
@@ -31,7 +31,10 @@ AXES: dict[str, tuple[str, tuple[float, ...]]] = {
 }
 
 #: Columns of a sweep after those of its axes.
-COLUMNS = ("planner", "arena", "runs", "caught", "success", "ci_low", "ci_high", "mean_time_s")
+COLUMNS = (
+    "planner", "arena", "runs", "caught", "success", "ci_low", "ci_high", "mean_time_s", "mean_time_s_low",
+    "mean_time_s_high",
+)  # fmt: skip
 
 Grid = Mapping[str, Sequence[Any]]
 
@@ -57,7 +60,8 @@ def sweep(
     out: folder in which the hunts of every point are kept, so that a sweep that was stopped goes on.
 
     Columns: one per axis, then planner, arena, runs, caught, success [share], ci_low, ci_high (95 %
-    Wilson), mean_time_s (a miss counts as the time limit).
+    Wilson), mean_time_s (a miss counts as the time limit) and its 95 % interval, mean_time_s_low and
+    mean_time_s_high.
 
     Raises InputError for an axis, a value or a name that is wrong, before any hunt is run.
     """
@@ -76,10 +80,17 @@ def sweep(
             out=None if out is None else Path(out) / f"point-{number:03d}",
         )  # fmt: skip
         totals = [row for row in summarise(results, point) if row["theta"] is None]
-        rows += [{**values, **{name: row[name] for name in COLUMNS}} for row in totals]
+        rows += [{**values, **row, **_mean_time(results, row)} for row in totals]
     frame = pd.DataFrame(rows, columns=[*grid, *COLUMNS])
     frame.attrs = {"axes": list(grid), "seed": int(seed), "experiment": settings.name, "note": settings.note}
     return frame
+
+
+def _mean_time(results: pd.DataFrame, row: dict[str, Any]) -> dict[str, float]:
+    """The interval of the mean time in a row."""
+    hunts = results[(results["planner"] == row["planner"]) & (results["arena"] == row["arena"])]
+    low, high = mean_interval(hunts["time"].to_numpy())
+    return {"mean_time_s_low": low, "mean_time_s_high": high}
 
 
 def _learn(points: Sequence[ExperimentSettings], seed: int) -> list[ForwardModel]:

@@ -16,7 +16,7 @@ from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model
 from bayeshunt.experiments.run.runner import Progress, evaluate
-from bayeshunt.experiments.scores import wilson_interval
+from bayeshunt.experiments.scores import mean_interval, wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.asking import Timed
 from bayeshunt.planners.registry import planner_info
@@ -49,7 +49,8 @@ def tradeoff(
     planners: those beside it. arena: one of the settings'.
 
     Columns: planner, weight, value (what was varied; empty for the others), runs, caught, success,
-    ci_low, ci_high, mean_time_s, mean_distance_m, mean_transitions, planning_ms (median of one decision,
+    ci_low, ci_high (95 % Wilson), mean_time_s, mean_distance_m, mean_transitions, each of the three with its 95 %
+    interval (``..._low``, ``..._high``), planning_ms (median of one decision,
     measured on this machine, alone among the columns in that), mean_planning_s, cost (under the
     settings' weights).
     """
@@ -97,6 +98,13 @@ def _weights(settings: ExperimentSettings) -> CostWeights:
     return CostWeights(**{name: chosen[name] for name in vars(CostWeights()) if name in chosen})
 
 
+def _intervals(hunts: pd.DataFrame) -> dict[str, float]:
+    """Low and high of the 95 % intervals of the means."""
+    means = {"mean_time_s": "time", "mean_distance_m": "distance", "mean_transitions": "transitions"}
+    limits = {name: mean_interval(hunts[column].to_numpy()) for name, column in means.items()}
+    return {f"{name}_{end}": limit[i] for name, limit in limits.items() for i, end in enumerate(("low", "high"))}
+
+
 def _summary(hunts: pd.DataFrame, weights: CostWeights, per_decision: float) -> dict[str, Any]:
     runs, caught = len(hunts), int(hunts["caught"].sum())
     low, high = wilson_interval(caught, runs)
@@ -111,6 +119,7 @@ def _summary(hunts: pd.DataFrame, weights: CostWeights, per_decision: float) -> 
         "mean_time_s": time_s,
         "mean_distance_m": distance,
         "mean_transitions": transitions,
+        **_intervals(hunts),
         "planning_ms": 1e3 * per_decision,
         "mean_planning_s": planning,
         "cost": float(weights.total(time_s, distance, transitions, planning)),

@@ -144,7 +144,7 @@ function buildSide(side, scene) {
     "target": '<circle class="target-grip" cx="10" cy="6" r="5"/>',
     [scene.counted ? "learned cell used" : cell]: '<rect class="cell" x="5" y="1.5" width="10" height="9"/>',
     [scene.counted ? "learned coordinates" : "coordinates of positive probability"]: '<circle class="learned" cx="10" cy="6" r="2"/>',
-    "mean paths of the gaits": '<path class="path best" d="M1 9Q10 2 19 5"/>',
+    "mean paths, the chosen gait's strong": '<path class="path best" d="M1 9Q10 2 19 5"/>',
     "predicted outcome": '<rect class="outcome" x="4" y="1" width="12" height="10" fill-opacity="0.45"/>',
   };
   for (const [name, mark] of Object.entries(marks)) {

@@ -309,7 +309,7 @@ class Player {
     const width = Math.round(box.width * ratio), height = Math.round(box.height * ratio);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     const style = getComputedStyle(this.root);
-    const ink = (name) => style.getPropertyValue(`--${name}`).trim();
+    const ink = (name) => style.getPropertyValue(`--bh-${name}`).trim();
     const g = canvas.getContext("2d");
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.clearRect(0, 0, box.width, box.height);
@@ -445,7 +445,7 @@ function drawRobot({ g, at, ink, view }, pose, radius, colour) {
   g.fillStyle = colour;
   g.fill();
   g.lineWidth = 1;
-  g.strokeStyle = ink("field");
+  g.strokeStyle = ink("paper");
   g.stroke();
   g.fillStyle = ink("ink");
   for (const side of [-1, 1]) g.fillRect(-0.32 * r, side * 0.76 * r - 0.13 * r, 0.64 * r, 0.26 * r);
@@ -455,7 +455,7 @@ function drawRobot({ g, at, ink, view }, pose, radius, colour) {
   g.lineTo(-0.1 * r, 0);
   g.lineTo(-0.35 * r, -0.5 * r);
   g.closePath();
-  g.fillStyle = ink("field");
+  g.fillStyle = ink("paper");
   g.fill();
   g.restore();
 }
@@ -472,7 +472,7 @@ function drawCatch({ g, at, ink, view }, hunter, prey, outcome) {
   const half = g.measureText(outcome).width / 2 + 6;
   const below = y + 52 < view.height - 34 ? y + 47 : y - 37;
   const middle = Math.min(Math.max(x, half), view.width - half);
-  g.strokeStyle = ink("field");
+  g.strokeStyle = ink("paper");
   g.lineWidth = 5;
   g.strokeText(outcome, middle, below);
   g.fillText(outcome, middle, below);
@@ -481,7 +481,7 @@ function drawCatch({ g, at, ink, view }, hunter, prey, outcome) {
 function drawScale({ g, ink, view }, above) {
   const reach = [0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 56) || 10;
   const pixels = reach * view.scale, y = view.height - above;
-  g.strokeStyle = g.fillStyle = ink("muted");
+  g.strokeStyle = g.fillStyle = ink("faint");
   g.lineWidth = 2;
   g.beginPath();
   g.moveTo(14, y - 4);
@@ -491,7 +491,7 @@ function drawScale({ g, ink, view }, above) {
   g.stroke();
   g.font = "12px system-ui, sans-serif";
   g.textAlign = "left";
-  g.strokeStyle = ink("field");
+  g.strokeStyle = ink("paper");
   g.lineWidth = 5;
   const label = length(reach);
   g.strokeText(label, 14, y - 9);

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from bayeshunt.core.units import degrees, length, true_minus
 from bayeshunt.episodes.episode import Episode
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.planners.api import Plan
 from bayeshunt.views import grounds, theme
@@ -17,6 +18,7 @@ from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, tag
 
 _MARGIN = 26
+_MOST_SECTORS = 1500  # of an inverse map: some 300 kB
 
 
 class Window(NamedTuple):
@@ -86,7 +88,7 @@ def episode_map(episode: Episode) -> Html:
             parts.append(window.robot(*place, colour, f"{who}, {row['time']:.1f} s{chosen}", 6))
     if episode.caught and len(trail):
         end = window.at(trail["hunter_x"].iloc[-1], trail["hunter_y"].iloc[-1])
-        parts.append(svg.disc(*end, 11, "caught here", fill="none", stroke=svg.ACCENT, stroke_width=2))
+        parts.append(svg.disc(*end, 11, "caught here", fill="none", stroke=svg.CHOSEN, stroke_width=2))
     parts += [window.ruler(), _legend(window)]
     return svg.drawing(window.width, window.height, *parts, label="Paths of hunter and prey from above")
 
@@ -115,44 +117,66 @@ def plan_map(plan: Plan) -> Html | None:
     parts.append(window.robot(0, 0, math.pi / 2, svg.HUNTER, "hunter, now", 9))
     if plan.target is not None:
         goal = (float(plan.target.right), float(plan.target.forward))
-        parts.append(svg.disc(*window.at(*goal), 9, "target", fill="none", stroke=svg.ACCENT, stroke_width=2))
+        parts.append(svg.disc(*window.at(*goal), 9, "target", fill="none", stroke=svg.CHOSEN, stroke_width=2))
     parts += [window.ruler(), _legend(window)]
     return svg.drawing(window.width, window.height, *parts, label="Predicted paths in the hunter's frame")
 
 
 def inverse_map(inverse: InverseModel) -> Html:
-    """Return the most probable gait of every learned coordinate, in the robot's frame (heading up)."""
+    """Return the most probable gait of every learned coordinate, in the robot's frame (heading up).
+
+    Where there are more coordinates than can be seen, neighbours share a sector in the colour of most of them.
+    """
     axes, names = inverse.model.axes, inverse.model.gaits.names
     table = inverse.table()
     best = table[list(names)].to_numpy().argmax(axis=1)
     outer = table["distance"] + axes.distance.width
     right, ahead = outer * np.sin(table["angle"]), outer * np.cos(table["angle"])
     window = Window.around([0.0, *right], [0.0, *ahead], size=420)
+    colours = theme.gait_variables(inverse.model)
+    bins = np.stack([axes.distance.index(table["distance"].to_numpy()), axes.angle.index(table["angle"].to_numpy())])
     parts = []
-    for distance, angle, support, gait in zip(table["distance"], table["angle"], table["support"], best, strict=True):
-        place = f"{length(distance)}, {true_minus(degrees(angle))}"
-        hint = f"{place}: {names[gait]}, support {grounds.rows(support)}"
-        parts.append(
-            _sector(window, distance, angle, axes.distance.width, axes.angle.width, theme.gait_colour(gait), hint)
+    for corner, span, members in _sectors(bins, _MOST_SECTORS):
+        gait = int(np.bincount(best[members]).argmax())
+        reach, angle = (
+            axis.edges[[a, min(a + n, axis.bins)]] for axis, a, n in zip(list(axes)[:2], corner, span, strict=True)
         )
+        first = table.iloc[members[0]]
+        if len(members) == 1:
+            hint = f"{names[gait]}, support {grounds.rows(first['support'])}"
+        else:
+            hint = f"{names[gait]} in {int((best[members] == gait).sum())} of {len(members)} coordinates"
+        place = f"{length(first['distance'])}, {true_minus(degrees(first['angle']))}"
+        parts.append(_sector(window, reach, angle, colours[gait], f"{place}: {hint}"))
     parts += [window.robot(0, 0, math.pi / 2, svg.INK, "robot", 8), window.ruler()]
     return svg.drawing(window.width, window.height, *parts, label="Most probable gait of every learned coordinate")
 
 
-def gait_key(names: Sequence[str]) -> Html:
+def _sectors(bins: np.ndarray, most: int) -> Iterator[tuple[Sequence[int], Sequence[int], np.ndarray]]:
+    """First bin, number of bins and members of at most ``most`` sectors that hold all coordinates ``bins`` [2, N]."""
+    span = [1, 1]
+    while len(corners := np.unique(bins // np.array(span)[:, None], axis=1).T) > most:
+        span[0 if span[0] <= span[1] else 1] *= 2
+    owner = bins // np.array(span)[:, None]
+    order = np.lexsort(owner[::-1])
+    starts = np.flatnonzero(np.any(np.diff(owner[:, order], axis=1, prepend=-1), axis=0))
+    for corner, members in zip(corners, np.split(order, starts[1:]), strict=True):
+        yield (corner * span).tolist(), span, members
+
+
+def gait_key(model: ForwardModel) -> Html:
     """Return the colours of the gaits in a list beside a map."""
     rows = []
-    for index, name in enumerate(names[:40]):
-        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=theme.gait_colour(index), rx=2), label="colour")
+    for name, colour in list(zip(model.gaits.names, theme.gait_variables(model), strict=True))[:40]:
+        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=colour, rx=2), label="colour")
         look = "display:flex;gap:8px;align-items:center"
         rows.append(tag("div", swatch, tag("span", name), style=look))
     return tag("div", *rows)
 
 
-def _sector(window: Window, distance: float, angle: float, width: float, turn: float, colour: str, hint: str) -> Html:
-    """One polar cell: an annular sector, ``angle`` clockwise from up."""
-    edges = [angle - turn / 2, angle + turn / 2]
-    near, far = max(distance - width / 2, 0.0), distance + width / 2
+def _sector(window: Window, reach: np.ndarray, angle: np.ndarray, colour: str, hint: str) -> Html:
+    """An annular sector between two distances and two angles, clockwise from up."""
+    (near, far), edges = reach, angle
     corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
                ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"

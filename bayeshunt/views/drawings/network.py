@@ -88,7 +88,7 @@ def _link(parent: int, child: int, first: float) -> Html:
 
 
 def _frame(x: float, y: float, width: float, height: float, name: str, note: str, marked: bool) -> list[Html]:
-    edge = svg.ACCENT if marked else svg.LINE
+    edge = svg.CHOSEN if marked else svg.LINE
     return [
         svg.box(x, y, width, height, rx=8, fill=svg.PANEL, stroke=edge, stroke_width=2 if marked else 1),
         svg.text(x + 12, y + 20, name, font_weight=600, style="font-weight:600"),
@@ -105,7 +105,7 @@ def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: floa
         share, name = float(shares[index]), model.gaits.names[index]
         best = learned and index == int(np.argmax(shares))
         parts.append(svg.text(122, y + 9, svg.shorten(name, 17), anchor="end"))
-        fill = svg.ACCENT if best else svg.BAR
+        fill = svg.CHOSEN if best else svg.BAR
         parts.append(svg.box(130, y, max(share * scale, 0.5), 10, f"{name}: {share:.4g}", fill=fill, rx=1.5))
         parts.append(svg.text(_LEFT - 10, y + 9, f"{share:.3f}", anchor="end", faint=True))
     if len(shares) > _MOST_GAITS:
@@ -158,7 +158,7 @@ def _bars(
         tall = height if marked else share * scale
         if tall <= 0:
             continue
-        fill = svg.ACCENT if marked else svg.BAR
+        fill = svg.CHOSEN if marked else svg.BAR
         faded = 0.35 if observed is not None and not marked else None
         bars.append(
             svg.box(

@@ -12,7 +12,7 @@ from typing import Any
 from bayeshunt.views.notebook.html import Html, tag
 
 INK, FAINT, LINE, PANEL = "var(--bh-ink)", "var(--bh-faint)", "var(--bh-line)", "var(--bh-panel)"
-BAR, ACCENT, HUNTER, PREY = "var(--bh-bar)", "var(--bh-accent)", "var(--bh-hunter)", "var(--bh-prey)"
+BAR, CHOSEN, HUNTER, PREY = "var(--bh-bar)", "var(--bh-chosen)", "var(--bh-hunter)", "var(--bh-prey)"
 
 
 def drawing(width: float, height: float, *content: Any, label: str) -> Html:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import io
+import os
 import sys
+from typing import IO, Any
 
 from matplotlib.figure import Figure
 
@@ -29,12 +31,16 @@ class Described:
         if pyplot is not None:
             pyplot.close(figure)  # or the notebook would show it a second time, without its words
 
+    def savefig(self, fname: str | os.PathLike[str] | IO[bytes], **options: Any) -> None:
+        """Write the figure to a file, as matplotlib's ``Figure.savefig`` does with the same arguments."""
+        self.figure.savefig(fname, **options)
+
     def _repr_html_(self) -> str:
         drawn = io.BytesIO()
         self.figure.savefig(drawn, format="png", dpi=_DOTS)
         source = "data:image/png;base64," + base64.b64encode(drawn.getvalue()).decode()
         width = round(self.figure.get_figwidth() * _SHOWN)
-        return tag("img", alt=self.alt, src=source, width=width, style="max-width:100%;background:white")
+        return str(tag("img", alt=self.alt, src=source, width=width, style="max-width:100%;background:white"))
 
     def __repr__(self) -> str:
         return f"<Figure: {self.alt}>"

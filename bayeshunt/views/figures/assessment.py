@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.models.assessment.assess import Assessment
-from bayeshunt.views.figures.style import ACCENT, BAR, FAINT, INK, LINE, styled
+from bayeshunt.views.figures.style import BAR, CHOSEN, FAINT, INK, LINE, styled
 
 _PANELS = ("Distance", "Angle", "Heading", "Gait")
 _GIVEN = {"Gait": "Distance,\nAngle"}  # in one line it runs out of the figure
@@ -57,7 +57,7 @@ def _draw_reliability(axes: Axes, table: pd.DataFrame, variable: str) -> None:
     axes.scatter(table["forecast"], observed, s=sizes, color=BAR, edgecolor=INK, linewidth=0.5, zorder=3, clip_on=False)
     axes.set_title(f"{variable} | {_GIVEN.get(variable, 'Gait')}")
     if variable == _PANELS[0]:
-        axes.set_ylabel("share observed")
+        axes.set_ylabel("share observed (95 % Wilson)")
     axes.set(xlim=(0, 1), ylim=(0, 1), xticks=[0, 0.5, 1], yticks=[0, 0.5, 1])
     axes.set_aspect("equal")
 
@@ -68,7 +68,7 @@ def _draw_gains(axes: Axes, structures: pd.DataFrame) -> None:
     gain = others["gain"].to_numpy(dtype=float)
     bars = [gain - others["gain_low"], others["gain_high"] - gain]
     axes.axvline(0, color=LINE, linewidth=1, zorder=1)
-    axes.errorbar(gain, places, xerr=bars, fmt="o", color=ACCENT, markersize=5, capsize=3, linewidth=1.2, zorder=3)
+    axes.errorbar(gain, places, xerr=bars, fmt="o", color=CHOSEN, markersize=5, capsize=3, linewidth=1.2, zorder=3)
     labels = [f"{name}\n{count:,} parameters" for name, count in others["parameters"].items()]
     axes.set_yticks(places, labels)
     axes.set_ylim(-0.6, len(others) - 0.4)

@@ -98,7 +98,7 @@ def draw_success(axes: Axes, results: pd.DataFrame, settings: ExperimentSettings
     axes.grid(axis="y", color=LINE, linewidth=0.5)
     axes.set_axisbelow(True)
     axes.set_xlabel(f"first bearing of the prey, clockwise: {_named(bearings)}")
-    axes.set_ylabel("caught [%]")
+    axes.set_ylabel("caught [%], 95 % Wilson interval")
     axes.set_title(f"{planner}, {_runs(bearings)} per bearing")
     axes.legend(loc="upper left", bbox_to_anchor=(0, -0.18), fontsize=8, labelcolor=FAINT)
 

@@ -16,10 +16,8 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core import units
 from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.episode import Episode
-from bayeshunt.views.figures.style import FAINT, HUNTER, PREY, shorten, styled
+from bayeshunt.views.figures.style import CATCH, FAINT, HUNTER, PREY, shorten, styled
 
-#: Colour of the ring around a catch.
-CATCH = "#117733"
 _PANEL = 2.25  # inches
 _ROOM = 0.16  # inches above the first titles, which the layout does not see whole
 _MARGIN = 90.0  # mm around the paths

@@ -17,10 +17,11 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS, depends_on_previous
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.views import grounds, theme
-from bayeshunt.views.figures.style import ACCENT, BAR, FAINT, INK, LINE, PREY, body, frame_axes, shorten, styled
+from bayeshunt.views.figures.style import BAR, CHOSEN, FAINT, INK, LINE, PREY, body, frame_axes, shorten, styled
 
-_MOST_CELLS = 14
+_MOST_CELLS = 24
 _MOST_DOTS = 300  # per gait
+_MOST_VECTORS = 50  # per gait: dots drawn one by one in a vector file
 _LEAST, _SPREAD = 1e-3, 31.0  # dots of probabilities: the least shown; points^2 of a certain bin
 _TALLEST = 14.0  # inch
 
@@ -38,14 +39,26 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     diameter = model.gaits.body_length * 1000
     body(place, 0, 0, 0, diameter, INK)
     counted = model.joint.marginal("Gait") if model.has_counts else np.ones(len(model.gaits))
+    colours = theme.gait_colours(model)
     for index in np.flatnonzero(counted).tolist():
-        colour = theme.gait_colour(index)
+        colour = colours[index]
         ends, size, turns, turn_size = _ends(model, index)
-        place.scatter(ends.right * 1000, ends.forward * 1000, s=size, color=colour, alpha=0.45, linewidths=0)
+        place.scatter(
+            ends.right * 1000,
+            ends.forward * 1000,
+            s=size,
+            color=colour,
+            alpha=0.45,
+            linewidths=0,
+            rasterized=_many(ends),
+        )
         path = _mean_path(model, index)
         place.plot(path[:, 1] * 1000, path[:, 0] * 1000, color=colour, linewidth=1.3)
         body(place, path[-1, 1] * 1000, path[-1, 0] * 1000, path[-1, 2], diameter, colour, linewidth=0.9)
-        turn.scatter(np.degrees(turns), np.full(len(turns), index), s=turn_size, color=colour, alpha=0.45, linewidths=0)
+        turn.scatter(
+            np.degrees(turns), np.full(len(turns), index), s=turn_size, color=colour, alpha=0.45, linewidths=0,
+            rasterized=_many(ends),
+        )  # fmt: skip
         turn.plot(math.degrees(path[-1, 2]), index, "|", color=colour, markersize=12, markeredgewidth=1.6)
     frame_axes(place)
     place.set_title("Where one step of each gait leads")
@@ -53,6 +66,11 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     _name_gaits(turn, model, 18)
     _degrees(turn, "heading [° clockwise]")
     return figure
+
+
+def _many(ends: Polar) -> bool:
+    """Whether dots are so many that they go into a vector file as a picture: 3,000 of them make 2.7 MB."""
+    return np.size(ends.distance) > _MOST_VECTORS
 
 
 def _ends(model: ForwardModel, gait: int) -> tuple[Polar[Any], np.ndarray, np.ndarray, np.ndarray]:
@@ -111,7 +129,7 @@ def network(model: ForwardModel) -> Figure:
     before = PREVIOUS in model.known or depends_on_previous(model.structure)
     gait_axes = figure.add_axes((0.15, 0.34, 0.19, 0.52) if before else (0.15, 0.18, 0.19, 0.68))
     shares = model.probabilities("Gait")
-    colours = [theme.gait_colour(i) for i in range(len(model.gaits))]
+    colours = theme.gait_colours(model)
     gait_axes.barh(range(len(colours)), shares, color=colours, height=0.7)
     _name_gaits(gait_axes, model, 16)
     gait_axes.set_title("P(Gait)")
@@ -221,7 +239,7 @@ def draw_transition(axes: Axes, transition: Polar, body_length: float) -> None:
 def _arc(axes: Axes, right: float, ahead: float, diameter: float, clockwise: float) -> None:
     """The angle from straight ahead, clockwise [rad]."""
     ends = sorted([90.0, 90.0 - math.degrees(float(wrap(clockwise)))])
-    axes.add_patch(Arc((right, ahead), diameter, diameter, theta1=ends[0], theta2=ends[1], color=ACCENT, linewidth=1.3))
+    axes.add_patch(Arc((right, ahead), diameter, diameter, theta1=ends[0], theta2=ends[1], color=CHOSEN, linewidth=1.3))
 
 
 @styled
@@ -247,10 +265,9 @@ def draw_prey_table(axes: Axes, prey: PreyModel) -> None:
         axes.annotate(f"{count}", (end, place), (5, 0), textcoords="offset points", va="center", color=FAINT)
     axes.invert_yaxis()
     axes.set_xlim(0, min(1.12, float((p + high).max()) * 1.15))
-    axes.set_xlabel("probability (95 % interval, count)")
-    left = len(prey.counts) - len(frame)
-    rest = f"; {left} rarer cells not shown" if left > 0 else ""
-    axes.set_title(f"Learned from {prey.observations} transitions{rest}")
+    axes.set_xlabel("probability, 95 % interval, count")
+    known = "all" if len(frame) == len(prey.counts) else f"{len(frame)} of"
+    axes.set_title(f"{prey.observations} transitions, {known} {len(prey.counts)} cells")
     axes.set_ylabel("distance, angle, heading")
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.planners.api import Plan
-from bayeshunt.views.figures.style import ACCENT, FAINT, HUNTER, LINE, PREY, body, frame_axes, shorten, styled
+from bayeshunt.views.figures.style import CHOSEN, FAINT, HUNTER, LINE, PREY, body, frame_axes, shorten, styled
 
 
 @styled
@@ -46,7 +46,7 @@ def search_tree(plan: Plan) -> Figure:
 def _chosen_branch(axes: Axes, trace: pd.DataFrame) -> None:
     branch = trace[trace["chosen"]].sort_values("T")
     x, y = branch["T"].to_numpy(dtype=float), branch["value_bodies"].to_numpy(dtype=float)
-    axes.plot(x, y, color=ACCENT, linewidth=2.2, marker="o", markersize=5, zorder=5, label="chosen branch")
+    axes.plot(x, y, color=CHOSEN, linewidth=2.2, marker="o", markersize=5, zorder=5, label="chosen branch")
 
 
 @styled

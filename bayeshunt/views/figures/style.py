@@ -20,8 +20,11 @@ from matplotlib.patches import Circle
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.views import theme
 
-INK, FAINT, LINE = (theme.COLOURS[name][0] for name in ("ink", "faint", "line"))
-BAR, ACCENT, HUNTER, PREY = (theme.COLOURS[name][0] for name in ("bar", "accent", "hunter", "prey"))
+INK, FAINT, LINE, BAR = (theme.COLOURS[name][0] for name in ("ink", "faint", "line", "bar"))
+CHOSEN, HUNTER, PREY, CATCH = (theme.COLOURS[name][0] for name in ("chosen", "hunter", "prey", "good"))
+#: A colour and a marker for each planner.
+PLANNERS = tuple(light for light, _ in theme.PLANNERS)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Formats that :func:`save` writes.
 FORMATS = ("png", "svg")
 

@@ -12,21 +12,20 @@ from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.studies.sweep import AXES, COLUMNS
-from bayeshunt.views.figures.style import FAINT, LINE, shorten, styled
+from bayeshunt.views.figures.style import FAINT, LINE, MARKERS, PLANNERS, shorten, styled
 
-#: Okabe and Ito's colours, told apart with any colour vision, and a marker for each.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 #: Drawn as a limit: grey, dashed, without an interval.
 _LIMIT = "kinematic_limit"
 #: More panels side by side than this cannot be read.
 MAX_PANELS = 6
+#: Columns of the intervals of each row of panels; a frame of an earlier version has none of the mean time.
+_LIMITS = (("ci_low", "ci_high"), ("mean_time_s_low", "mean_time_s_high"))
 _TICKS = 5  # labelled steps of an axis, at most: more of them touch
 
 
 @styled
 def sweep_figure(frame: pd.DataFrame) -> Figure:
-    """Return success (with 95 % Wilson intervals) above mean catch time, against the sweep's first axis.
+    """Return success (with 95 % Wilson intervals) above mean catch time (95 % t intervals), against the first axis.
 
     frame: as :func:`bayeshunt.experiments.studies.sweep.sweep` returns it. One column of panels per arena and
     combination of the other axes' values, one line per planner; ``kinematic_limit`` is drawn as a limit.
@@ -58,11 +57,13 @@ def _lines(axes: Any, rows: pd.DataFrame, axis: str, planner: str, planners: lis
     if planner == _LIMIT:
         look: dict[str, Any] = {"color": FAINT, "linestyle": (0, (4, 3)), "linewidth": 1.4, "zorder": 2}
     else:
-        index = [name for name in planners if name != _LIMIT].index(planner) % len(COLOURS)
-        look = {"color": COLOURS[index], "marker": MARKERS[index], "markersize": 4, "linewidth": 1.4, "zorder": 3}
-        axes[0].fill_between(
-            place, rows["ci_low"].astype(float), rows["ci_high"].astype(float), color=COLOURS[index], alpha=0.16, lw=0
-        )
+        index = [name for name in planners if name != _LIMIT].index(planner)
+        colour, marker = PLANNERS[index % len(PLANNERS)], MARKERS[index % len(MARKERS)]
+        look = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1.4, "zorder": 3}
+        for panel, (low, high) in zip(axes, _LIMITS, strict=True):
+            if low in rows:
+                limits = rows[low].astype(float), rows[high].astype(float)
+                panel.fill_between(place, *limits, color=colour, alpha=0.16, lw=0)
     axes[0].plot(place, rows["success"], label=label, **look)
     axes[1].plot(place, rows["mean_time_s"], **look)
 
@@ -80,10 +81,10 @@ def _finish(grid: np.ndarray, values: pd.Series) -> None:
             axes.set_xscale("log")
         else:
             axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    grid[0, 0].set_ylabel("prey caught (95 % interval)")
+    grid[0, 0].set_ylabel("prey caught\n(95 % Wilson interval)")
     grid[0, 0].yaxis.set_major_formatter(PercentFormatter(1.0))
     grid[0, 0].set_ylim(-0.03, 1.03)
-    grid[1, 0].set_ylabel("mean time [s], a miss\ncounts as the limit")
+    grid[1, 0].set_ylabel("mean time [s], a miss\nis the limit (95 % interval)")
     grid[1, 0].set_ylim(bottom=0)
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bayeshunt.views.figures.style import FAINT, LINE, shorten, styled
-from bayeshunt.views.figures.sweep import COLOURS, MARKERS
+from bayeshunt.views.figures.style import FAINT, LINE, MARKERS, PLANNERS, shorten, styled
 
-_PANELS = (("mean_transitions", "changes of gait per hunt"), ("mean_distance_m", "metres travelled per hunt"))
+_PANELS = (("mean_transitions", "changes of gait per hunt"), ("mean_distance_m", "way travelled per hunt [m]"))
 
 
 @styled
@@ -19,7 +19,7 @@ def tradeoff_figure(frame: pd.DataFrame) -> Figure:
     """Return mean catch time against changes of gait and against distance, one point per planner and weight.
 
     frame: as :func:`bayeshunt.experiments.studies.tradeoff.tradeoff` returns it. The points of one varied weight
-    are joined; the value stands beside each.
+    are joined; the value stands beside each. Whiskers: 95 % t intervals of the means.
     """
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
@@ -29,7 +29,7 @@ def tradeoff_figure(frame: pd.DataFrame) -> Figure:
         axes.set_xlim(left=0)
         axes.grid(color=LINE, linewidth=0.5)
         axes.set_axisbelow(True)
-    left.set_ylabel("mean time to the catch [s], a miss counts as the limit")
+    left.set_ylabel("mean time to the catch [s], a miss counts as the limit\n(whiskers: 95 % intervals)")
     left.set_ylim(bottom=0)
     left.set_title(str(frame.attrs.get("arena", "")))
     handles, labels = left.get_legend_handles_labels()
@@ -42,10 +42,11 @@ def _draw(axes: Axes, frame: pd.DataFrame, column: str) -> None:
     taken: list[tuple[float, float]] = []  # where labels stand, as shares of the panel
     scale = frame[[column, "mean_time_s"]].max().to_numpy(dtype=float)
     for index, ((planner, weight), rows) in enumerate(frame.groupby(["planner", "weight"], sort=False)):
-        look: dict[str, Any] = {"color": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)]}
+        look: dict[str, Any] = {"color": PLANNERS[index % len(PLANNERS)], "marker": MARKERS[index % len(MARKERS)]}
         name = shorten(str(planner).replace("_", " "))
         label = f"{name}, price of {weight}" if weight else name
         axes.plot(rows[column], rows["mean_time_s"], label=label, markersize=5, linewidth=1.0, zorder=3, **look)
+        _whiskers(axes, rows, column, look["color"])
         points = list(zip(rows[column], rows["mean_time_s"], rows["value"], strict=True)) if weight else []
         ends = [points[0], points[-1]] if len(points) > 1 else points
         for x, y, value in [*ends, *points[1:-1]]:  # the ends first: they say which way the weight grows
@@ -55,3 +56,16 @@ def _draw(axes: Axes, frame: pd.DataFrame, column: str) -> None:
                 taken.append(place)  # labels of one place stand below each other
                 below: dict[str, Any] = {"textcoords": "offset points", "xytext": (6, 5 - 9 * near)}
                 axes.annotate(f"{value:g}", (x, y), fontsize=7, color=FAINT, **below)
+
+
+def _whiskers(axes: Axes, rows: pd.DataFrame, column: str, colour: str) -> None:
+    """The intervals of both means, where the frame has them: one of an earlier version has none."""
+    if f"{column}_low" not in rows:
+        return
+    across, up = (
+        np.clip([rows[name] - rows[f"{name}_low"], rows[f"{name}_high"] - rows[name]], 0, None)
+        for name in (column, "mean_time_s")
+    )
+    axes.errorbar(
+        rows[column], rows["mean_time_s"], xerr=across, yerr=up, fmt="none", color=colour, linewidth=0.9, zorder=2
+    )

@@ -14,7 +14,7 @@ from bayeshunt.core.units import label, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
-from bayeshunt.views import grounds
+from bayeshunt.views import grounds, theme
 from bayeshunt.views.pages.page import asset, number
 
 #: Outcomes less probable than this share of the most probable one are not drawn.
@@ -36,7 +36,7 @@ class Explorer(anywidget.AnyWidget):
     """
 
     _esm = asset("units.js") + asset("explorer.js")
-    _css = asset("explorer.css")
+    _css = theme.palette(".bh-explorer") + asset("explorer.css")
 
     distance = traitlets.Float(0.10).tag(sync=True)  # metres, >= 0
     angle = traitlets.Float(0.5).tag(sync=True)  # radians, clockwise

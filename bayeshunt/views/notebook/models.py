@@ -55,10 +55,9 @@ def _origin(model: ForwardModel) -> str:
 
 def inverse_model(inverse: InverseModel) -> Html:
     """Return the map of learned coordinates, each in the colour of its most probable gait."""
-    names = inverse.model.gaits.names
     places = f"{len(inverse.table())} {grounds.coordinates(inverse.model)}"
     subtitle = f"{places}; colour: the most probable gait there"
-    drawn = tag("div", maps.inverse_map(inverse), maps.gait_key(names), class_="bh-two")
+    drawn = tag("div", maps.inverse_map(inverse), maps.gait_key(inverse.model), class_="bh-two")
     given = "".join(f", {variable} = {state}" for variable, state in inverse.model.known.items())
     return card(f"Inverse model: P(Gait | Distance, Angle{given})", subtitle, drawn)
 

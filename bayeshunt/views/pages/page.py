@@ -14,6 +14,8 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from bayeshunt.views import theme
+
 if TYPE_CHECKING:
     import jinja2
 
@@ -27,7 +29,7 @@ def render(template: str, styles: list[str], scripts: list[str], **values: Any) 
     """
     from markupsafe import Markup
 
-    style = "\n" + "".join(asset(name) for name in styles)
+    style = "\n" + theme.palette(":root") + "".join(asset(name) for name in styles)
     script = "\n" + "".join(asset(name) for name in scripts)
     policy = (
         f"default-src 'none'; script-src {_allowed(script)}; style-src {_allowed(style)}; "

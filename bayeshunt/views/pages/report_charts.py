@@ -13,13 +13,13 @@ import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.units import degrees, theta
+from bayeshunt.views.theme import PLANNERS
 
 #: Values of an axis and what is written there.
 Ticks = list[tuple[float, str]]
 #: Size of a chart [px]; the page scales it.
 WIDTH, HEIGHT = 440, 290
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 14, 14, 44
-_COLOURS = 8
 #: Marker outlines around (0, 0), as SVG paths: they tell the planners apart where colours do not.
 MARKERS = (
     "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
@@ -48,7 +48,7 @@ class Scale:
 def styles(planners: list[str]) -> dict[str, dict[str, Any]]:
     """Return the colour class and marker of every planner."""
     return {
-        name: {"planner": name, "colour": i % _COLOURS + 1, "marker": MARKERS[i % len(MARKERS)]}
+        name: {"planner": name, "colour": i % len(PLANNERS) + 1, "marker": MARKERS[i % len(MARKERS)]}
         for i, name in enumerate(planners)
     }
 
