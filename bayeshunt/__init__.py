@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         BayesHuntError,
         ConfigError,
         DataError,
+        DataWarning,
         FolderInUseError,
         ImpossibleEvidenceError,
         InputError,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from bayeshunt.core.gaits import Gait, GaitRepertoire
     from bayeshunt.core.geometry import Polar, Pose, wrap
     from bayeshunt.data.babbling_table import load as load_dataset
-    from bayeshunt.data.babbling_table import save as save_dataset
+    from bayeshunt.data.babbling_table import save_dataset
     from bayeshunt.data.readers.registry import register_reader
     from bayeshunt.data.track_report import track_report
     from bayeshunt.data.tracks import read_tracks, tracks
@@ -67,7 +68,7 @@ _HOMES = {
     **{name: ("bayeshunt.core.bins", name) for name in ("Axis", "EffectAxes")},
     **{name: ("bayeshunt.config.schema", name) for name in ("ExperimentSettings", "RobotSettings")},
     "load_dataset": ("bayeshunt.data.babbling_table", "load"),
-    "save_dataset": ("bayeshunt.data.babbling_table", "save"),
+    "save_dataset": ("bayeshunt.data.babbling_table", "save_dataset"),
     **{name: ("bayeshunt.data.tracks", name) for name in ("read_tracks", "tracks")},
     "register_reader": ("bayeshunt.data.readers.registry", "register_reader"),
     "track_report": ("bayeshunt.data.track_report", "track_report"),
@@ -79,6 +80,7 @@ _HOMES = {
             "BayesHuntError",
             "ConfigError",
             "DataError",
+            "DataWarning",
             "FolderInUseError",
             "ImpossibleEvidenceError",
             "InputError",

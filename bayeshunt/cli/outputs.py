@@ -15,14 +15,7 @@ import typer
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, check_target
-
-#: What an ending says of a file: those of files that are written here, and others that people may ask for.
-_KINDS = {
-    ".parquet": "Parquet", ".json": "JSON", ".npz": "NPZ", ".html": "HTML", ".htm": "HTML", ".png": "PNG",
-    ".svg": "SVG", ".xmlbif": "XMLBIF", ".xml": "XMLBIF", ".bif": "BIF", ".csv": "CSV", ".tsv": "TSV",
-    ".xls": "Excel", ".xlsx": "Excel", ".npy": "NPY", ".txt": "text", ".md": "Markdown", ".toml": "TOML",
-    ".pdf": "PDF", ".jpg": "JPEG", ".jpeg": "JPEG", ".zip": "ZIP", ".db": "SQLite", ".sqlite": "SQLite",
-}  # fmt: skip
+from bayeshunt.files.endings import check_ending
 
 
 def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False) -> Any:
@@ -37,7 +30,7 @@ def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False
         if path is not None and not context.resilient_parsing:
             if not (within_out and _is_within_out(context, path)):
                 _check_file(path)
-            _check_ending(path, what, ending)
+            check_ending(path, what, ending)
         return path
 
     return typer.Option(help=help_text, callback=checked)
@@ -72,12 +65,6 @@ def _is_within_out(context: typer.Context, path: Path) -> bool:
     """Whether a file is to stand in the folder of ``--out``, which has been looked at."""
     folder = context.params.get("out")
     return folder is not None and path.parent.resolve() == Path(folder).resolve()
-
-
-def _check_ending(path: Path, what: str, ending: str) -> None:
-    asked, written = _KINDS.get(path.suffix.lower()), _KINDS[ending]
-    if asked not in (None, written):
-        raise InputError(f"{path}: {what} are {written}, not {asked}; name it {path.with_suffix(ending)}")
 
 
 def _checked_folder(context: typer.Context, path: Path | None) -> Path | None:

@@ -11,10 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
+from bayeshunt.core.arguments import check_fields, checked
+from bayeshunt.core.checks import check_kind, check_numbers
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
 
@@ -40,6 +43,7 @@ class Axis:
     circular: bool = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if not (self.width > 0 and math.isfinite(self.width)):
             raise InputError(f"axis {self.name}: width must be positive, got {self.width}")
         if self.bins < 1:
@@ -48,12 +52,12 @@ class Axis:
     @classmethod
     def linear(cls, name: str, width: float, bins: int = 1) -> Axis:
         """Bins of ``width`` [m] from 0 upwards."""
-        return cls(name, float(width), int(bins))
+        return cls(name, width, bins)
 
     @classmethod
     def full_turn(cls, name: str, bins: int) -> Axis:
         """``bins`` equal bins over the full turn, one centred on 0 rad."""
-        bins = int(bins)
+        check_kind(bins, "bins", Integral, "a whole number")
         return cls(name, 2.0 * math.pi / max(bins, 1), bins, circular=True)  # fewer than one bin is refused there
 
     @property
@@ -78,7 +82,8 @@ class Axis:
     def labels(self) -> tuple[str, ...]:
         """One unique name per bin: "0-5.7 mm" for distances, "-10 deg" (the centre) for angles."""
         if self.circular:
-            return tuple(f"{_trim(math.degrees(c))} deg" for c in self.centres)
+            texts = [_trim(math.degrees(c)) for c in self.centres]
+            return tuple(f"{'180' if text == '-180' else text} deg" for text in texts)  # the rounding of a centre on pi
         millimetres = self.edges * 1000.0
         return tuple(f"{_trim(low)}-{_trim(high)} mm" for low, high in pairwise(millimetres))
 
@@ -87,13 +92,19 @@ class Axis:
 
         A scalar gives an int, an array an int64 array. The caller checks the upper end, because
         what lies beyond it is a fact (nothing was ever seen there), not a mistake.
+        Raises InputError for what is not a finite number: it falls into no bin.
         """
         if isinstance(values, float):
             if self.circular:
                 values = wrap(values)
-            index = math.floor((values - self._first_edge) / self.width)
+            try:
+                index = math.floor((values - self._first_edge) / self.width)
+            except (ValueError, OverflowError):
+                raise InputError(f"{self.name}: expected a finite number, got {values}") from None
             return index % self.bins if self.circular else index
-        array = np.asarray(values, dtype=float)
+        array = check_numbers(values, self.name)
+        if not np.isfinite(array).all():  # as whole numbers they would be bins
+            raise InputError(f"{self.name}: expected finite numbers, got {array[~np.isfinite(array)].flat[0]}")
         scaled = np.asarray(wrap(array) if self.circular else array.copy())
         scaled -= self._first_edge  # in place: a new array costs more than the arithmetic
         scaled /= self.width
@@ -118,7 +129,11 @@ class EffectAxes:
     angle: Axis
     heading: Axis
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @classmethod
+    @checked
     def standard(
         cls, body_length: float, *, distance_bin: float = 0.1, angle_bins: int = 36, heading_bins: int = 36
     ) -> EffectAxes:

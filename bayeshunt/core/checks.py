@@ -13,16 +13,20 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.errors import InputError, shown
+from bayeshunt.core.geometry import Polar, Pose
 
 __all__ = [
     "FULL_TURN",
     "LEAST_PSEUDO_COUNT",
     "MOST_PSEUDO_COUNT",
     "beyond_a_turn",
+    "check_bearings",
     "check_generator",
     "check_kind",
     "check_number",
     "check_numbers",
+    "check_polar",
+    "check_pose",
     "check_positive",
     "check_pseudo_count",
     "check_radians",
@@ -100,9 +104,53 @@ def beyond_a_turn(angle: float) -> str:
 def check_numbers(values: Any, name: str) -> np.ndarray:
     """Return ``values`` as float64; InputError unless they are numbers in a regular array (NaN may be among them)."""
     try:
-        return np.asarray(values, dtype=float)
+        array = np.asarray(values)
+        if array.dtype.kind in "iuf":
+            return array.astype(float, copy=False)
+        if array.dtype.kind == "O" and all(_is_number(value) for value in array.flat):
+            return array.astype(float)
     except (TypeError, ValueError):  # their messages speak of Python
         raise InputError(f"{name}: expected numbers, got {shown(values)}") from None
+    kind = {"b": "truth values", "U": "text", "S": "bytes", "c": "complex numbers", "M": "dates"}.get(array.dtype.kind)
+    what = f"{shown(values)} of {kind}" if kind and array.ndim else shown(values)
+    raise InputError(f"{name}: expected numbers, got {what}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
+
+
+def check_bearings(values: np.ndarray, name: str) -> None:
+    """Raise InputError if an angle [rad] of an array is beyond one turn, as :func:`check_radians`; NaN passes."""
+    far = np.abs(values) > FULL_TURN
+    if far.any():
+        raise InputError(f"{name}: {beyond_a_turn(float(np.asarray(values)[far].flat[0]))}")
+
+
+def check_polar(value: Any, name: str) -> None:
+    """Raise InputError unless ``value`` is a Polar of finite numbers with its angles within one turn.
+
+    For what people hand in; poses made by the program itself need no check.
+    """
+    _check_pose(value, name, Polar, ("distance",), ("angle", "heading"))
+
+
+def check_pose(value: Any, name: str, *, heading: bool = True) -> None:
+    """Raise InputError unless ``value`` is a Pose of finite numbers with theta within one turn.
+
+    heading: False lets theta be NaN (not known).
+    """
+    if isinstance(value, Pose) and not heading and isinstance(value.theta, float) and math.isnan(value.theta):
+        value = value._replace(theta=0.0)
+    _check_pose(value, name, Pose, ("x", "y"), ("theta",))
+
+
+def _check_pose(value: Any, name: str, kind: type, lengths: tuple[str, ...], angles: tuple[str, ...]) -> None:
+    check_kind(value, name, kind, f"a {kind.__name__}")
+    for part in lengths:
+        check_number(getattr(value, part), f"{name}.{part}", "a finite number of metres")
+    for part in angles:
+        check_radians(getattr(value, part), f"{name}.{part}")
 
 
 def check_generator(rng: Any) -> None:

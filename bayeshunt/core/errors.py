@@ -7,6 +7,8 @@ and with 1 for any other :class:`BayesHuntError`.
 from __future__ import annotations
 
 import difflib
+import sys
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,6 +16,7 @@ __all__ = [
     "BayesHuntError",
     "ConfigError",
     "DataError",
+    "DataWarning",
     "FolderInUseError",
     "ImpossibleEvidenceError",
     "InputError",
@@ -24,6 +27,7 @@ __all__ = [
     "ZeroCountError",
     "did_you_mean",
     "shown",
+    "warn",
 ]
 
 
@@ -41,6 +45,10 @@ class ConfigError(InputError):
 
 class DataError(InputError):
     """A babbling table is wrong: file, row or column, what was expected."""
+
+
+class DataWarning(UserWarning):
+    """Numbers that can be right but hardly are: degrees for radians, millimetres for metres. Says the fix."""
 
 
 class ModelFileError(InputError):
@@ -69,6 +77,14 @@ class ZeroCountError(BayesHuntError, ValueError):
 
 class NothingObservedError(BayesHuntError, ValueError):
     """A prediction was asked of an online model that has not observed anything yet."""
+
+
+def warn(message: str) -> None:
+    """Issue a DataWarning at the line outside of bayeshunt that led here."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).partition(".")[0] == "bayeshunt":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, DataWarning, stacklevel=level - 1)
 
 
 def shown(value: Any) -> str:

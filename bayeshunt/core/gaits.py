@@ -8,10 +8,13 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
-from bayeshunt.core import displays
-from bayeshunt.core.errors import InputError
+import numpy as np
 
-__all__ = ["Gait", "GaitRepertoire"]
+from bayeshunt.core import displays
+from bayeshunt.core.checks import check_number
+from bayeshunt.core.errors import InputError, shown
+
+__all__ = ["Gait", "GaitRepertoire", "gait_name"]
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,27 @@ class Gait:
 
     name: str
     command: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", gait_name(self.name))
+        if not isinstance(self.command, (tuple, list, np.ndarray)):
+            raise InputError(f"gait {self.name!r}: command: expected a tuple of numbers, got {shown(self.command)}")
+        numbers = tuple(check_number(value, f"gait {self.name!r}: command") for value in self.command)
+        object.__setattr__(self, "command", numbers)
+
+
+def gait_name(label: Any) -> str:
+    """Return the name of a gait as text: gait 1 is "1", whether a number of Python or of NumPy; bytes are UTF-8.
+
+    Raises InputError for what is no name: nothing, a missing value, a list.
+    """
+    if isinstance(label, Gait):
+        return label.name
+    if isinstance(label, bytes):
+        label = label.decode("utf-8", "replace")
+    if isinstance(label, (str, bool, np.bool_)) or (isinstance(label, Real) and math.isfinite(label)):
+        return str(label)
+    raise InputError(f"gait: expected a name, got {shown(label)}; name gaits by text, for numbers use astype(str)")
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,7 +65,12 @@ class GaitRepertoire(Sequence[Gait]):
     _positions: dict[str, int] = field(init=False, repr=False, compare=False, hash=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.gaits, str) or not isinstance(self.gaits, Iterable):
+            raise InputError(f"gaits: expected a tuple of Gait, got {shown(self.gaits)}; from names: GaitRepertoire.of")
         object.__setattr__(self, "gaits", tuple(self.gaits))
+        for gait in self.gaits:
+            if not isinstance(gait, Gait):
+                raise InputError(f"gaits: expected Gait objects, got {shown(gait)}; from names: GaitRepertoire.of")
         names = [gait.name for gait in self.gaits]
         if not names:
             raise InputError("a gait repertoire needs at least one gait")
@@ -63,8 +92,8 @@ class GaitRepertoire(Sequence[Gait]):
         if isinstance(repertoire, cls):  # the settings of a robot
             return repertoire
         if isinstance(gaits, str) or not isinstance(gaits, Iterable):
-            raise InputError(f"gaits: expected a robot's gaits, or a list of names, got {gaits!r}")
-        return cls(tuple(g if isinstance(g, Gait) else Gait(str(g)) for g in gaits), **settings)
+            raise InputError(f"gaits: expected a robot's gaits, or a list of names, got {shown(gaits)}")
+        return cls(tuple(g if isinstance(g, Gait) else Gait(g) for g in gaits), **settings)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -78,8 +107,10 @@ class GaitRepertoire(Sequence[Gait]):
         """
         key = name.name if isinstance(name, Gait) else name
         try:
-            return self._positions[key]
-        except (KeyError, TypeError):
+            if key in self._positions:
+                return self._positions[key]
+            return self._positions[gait_name(key)]
+        except (KeyError, TypeError, InputError):
             raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
 
     def __repr__(self) -> str:

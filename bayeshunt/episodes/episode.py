@@ -16,6 +16,7 @@ from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.core.statistics import entropy
 from bayeshunt.files import parquet
 from bayeshunt.files.atomic import check_source
+from bayeshunt.files.endings import check_ending
 
 if TYPE_CHECKING:
     from bayeshunt.config.schema import ExperimentSettings
@@ -196,6 +197,7 @@ class Episode:
 
         record = {**self.provenance, "trail": {c: self.trail[c].tolist() for c in self.trail}}
         table = pa.Table.from_pandas(self.frame, preserve_index=False).replace_schema_metadata(None)
+        check_ending(path, "episodes", ".parquet")
         parquet.write(table, record, path)
 
     @classmethod

@@ -9,14 +9,17 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from bayeshunt.core.errors import ModelFileError
+import numpy as np
+
+from bayeshunt.core.errors import DataError, ModelFileError
 from bayeshunt.files.atomic import check_source, write_text
 
-__all__ = ["RecordKind", "checksum", "digest"]
+__all__ = ["RecordKind", "checksum", "digest", "plain_record"]
 
 
 def checksum(content: Any) -> str:
@@ -28,6 +31,32 @@ def checksum(content: Any) -> str:
 def digest(content: Any) -> str:
     """Return the bare SHA-256 of ``content`` as JSON with sorted keys: the checksum inside Parquet and memory files."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def plain_record(record: Mapping[str, Any], what: str) -> dict[str, Any]:
+    """Return a copy of ``record`` that JSON can hold: NumPy's numbers and arrays, sets and paths as plain ones.
+
+    Raises DataError that starts with ``what`` and names the key whose value cannot be stored.
+    """
+    for key, value in record.items():
+        try:
+            json.dumps({key: value}, default=_plain, sort_keys=True)
+        except (TypeError, ValueError, RecursionError):
+            raise DataError(f"{what}: {key!r} holds what JSON cannot; give text, numbers, lists and dicts") from None
+    copy: dict[str, Any] = json.loads(json.dumps(dict(record), default=_plain))
+    return copy
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (set, frozenset)):
+        return sorted(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError
 
 
 @dataclass(frozen=True)
@@ -63,7 +92,7 @@ class RecordKind:
         except OSError as error:
             raise ModelFileError(f"{name}: cannot be read ({error.strerror or error})") from None
         except UnicodeDecodeError:
-            raise self._stranger(name, " (not a text file)") from None
+            raise self.stranger(name, " (not a text file)") from None
 
     def loads(self, text: str, name: str) -> tuple[int, Any]:
         """Return the format and the content of the record in ``text``; ``name`` is what errors call it.
@@ -72,7 +101,7 @@ class RecordKind:
         """
         record = self.parse(text, name)
         if record.get("kind") != self.name:
-            raise self._stranger(name)
+            raise self.stranger(name)
         version, content = self.check_version(record.get("format"), name), record.get("content")
         self.check_sum(record.get("checksum"), checksum(content), name)
         return version, content
@@ -85,7 +114,7 @@ class RecordKind:
             reason = str(error).splitlines()[0]
             raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason}); {self._mend}") from None
         if not isinstance(record, dict):
-            raise self._stranger(name)
+            raise self.stranger(name)
         return record
 
     def check_version(self, version: Any, name: str) -> int:
@@ -112,7 +141,8 @@ class RecordKind:
     def _mend(self) -> str:
         return f"give a file made by: {self.maker}"
 
-    def _stranger(self, name: str, why: str = "") -> ModelFileError:
+    def stranger(self, name: str, why: str = "") -> ModelFileError:
+        """Return the error for a file of another kind."""
         return ModelFileError(f"{name}: not a {self.name}{why}; {self._mend}")
 
 

@@ -17,6 +17,7 @@ import pandas as pd
 
 from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
+from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
 from bayeshunt.models.body.forward import ForwardModel
 
@@ -95,6 +96,7 @@ class RoomModel:
             "blocked": self.blocked.tolist(),
             "provenance": dict(self.provenance),
         }
+        check_ending(path, "rooms", ".json")
         _RECORD.save(content, path)
 
     @classmethod

@@ -18,6 +18,7 @@ from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
 from bayeshunt.core.errors import BayesHuntError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.atomic import replace_atomically
+from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
 from bayeshunt.files.records import checksum as _checksum
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS, JointCounts
@@ -66,6 +67,7 @@ def save(model: Storable, path: str | os.PathLike[str]) -> None:
 
     Raises BayesHuntError if the folder cannot be written or the provenance is not JSON.
     """
+    check_ending(path, "models", ".json")
     text = dumps(model)
     with replace_atomically(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -19,6 +19,7 @@ import pandas as pd
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.files.atomic import write_text
+from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind, digest
 
 FORMAT = 1
@@ -151,6 +152,7 @@ class PreyMemory:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the memory as JSON with a checksum, replaced atomically."""
+        check_ending(path, "memories", ".json")
         body = self._record()
         write_text(path, json.dumps({"checksum": digest(body), "memory": body}) + "\n")
 
@@ -161,7 +163,9 @@ class PreyMemory:
         outer = _RECORD.parse(text, name)
         body = outer.get("memory")
         # The first record files of this project: without a kind, the format inside the content.
-        _RECORD.check_version(body.get("format") if isinstance(body, dict) else None, name)
+        if not isinstance(body, dict):
+            raise _RECORD.stranger(name, ", or damaged")
+        _RECORD.check_version(body.get("format"), name)
         _RECORD.check_sum(outer.get("checksum"), digest(body), name)
         try:
             return cls._from_record(outer["memory"])

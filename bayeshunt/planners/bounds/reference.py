@@ -17,6 +17,7 @@ import pandas as pd
 from bayeshunt.core.errors import InputError, ModelFileError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.files.atomic import check_source, replace_atomically
+from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_step
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
@@ -58,6 +59,7 @@ class ReferenceTable:
             "facts": dict(self.facts),
         }
         text = json.dumps(head, sort_keys=True)
+        check_ending(path, "such tables", ".npz")
         with replace_atomically(path) as temporary, temporary.open("wb") as out:
             np.savez(out, head=np.array(text), checksum=np.array(_checksum(text, arrays)), **arrays)  # type: ignore[arg-type]
 

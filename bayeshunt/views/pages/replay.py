@@ -24,6 +24,7 @@ from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.core.units import objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
+from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.views import grounds
 from bayeshunt.views.pages.commands import hunt_command
@@ -34,6 +35,7 @@ def write_replay(
     episode: Episode, path: str | os.PathLike[str], *, model: ForwardModel | None = None, source: Sequence[str] = ()
 ) -> None:
     """Write the replay of ``episode`` as one HTML file, replaced atomically; see :func:`replay_html`."""
+    check_ending(path, "pages", ".html")
     write_text(path, replay_html(episode, model=model, source=source))
 
 

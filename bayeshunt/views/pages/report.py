@@ -19,6 +19,7 @@ from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.experiments.store.export import NOT_AB_INITIO, another_model
 from bayeshunt.files.atomic import write_text
+from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
 from bayeshunt.views.pages.commands import SETTINGS_FILE, evaluate_command, model_option, preset_of, to_toml
@@ -47,6 +48,7 @@ def write_report(
     Raises DataError if the results are empty or do not say their settings.
     """
     facts = report_facts(results, model=model, model_path=model_path, progress=progress)
+    check_ending(path, "pages", ".html")
     write_text(path, report_html(facts))
     told = [f"{shelf.planner}, {shelf.arena}: {shelf.problem}" for shelf in facts["shelves"] if shelf.problem]
     return [*([facts["another_model"]] if facts["another_model"] else []), *told]

@@ -1,0 +1,140 @@
+"""Arguments of the wrong kind, refused by one mechanism: the type hints of public functions and values.
+
+:func:`checked` wraps a function, :func:`check_fields` serves a dataclass from its ``__post_init__``. Both say in
+one line which argument is wrong, before any work. Ranges are the function's own business; what a hint cannot
+say in words (arrays, protocols, Any) passes.
+"""
+
+from __future__ import annotations
+
+import collections.abc as abc
+import functools
+import inspect
+import os
+import sys
+import types
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from numbers import Integral, Real
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError, shown
+
+__all__ = ["check_fields", "checked"]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class _Rule(typing.NamedTuple):
+    """What a hint takes, and in words what that is."""
+
+    accepts: Callable[[Any], bool]
+    words: str
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Return ``function`` with its arguments held to its type hints: InputError names the one that is wrong."""
+    names = [p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_POSITIONAL]
+
+    @functools.wraps(function)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+        rules = _rules(function)
+        for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+            rule = rules.get(name)
+            if rule is not None and not rule.accepts(value):
+                raise InputError(f"{name}: expected {rule.words}, got {shown(value)}")
+        return function(*args, **kwargs)
+
+    return wrapper
+
+
+def check_fields(value: Any) -> None:
+    """Raise InputError that names the first field of a dataclass whose value is not of the kind that its hint says."""
+    rules = _rules(type(value))
+    for field in fields(value):
+        rule = rules.get(field.name)
+        if field.init and rule is not None and not rule.accepts(given := getattr(value, field.name)):
+            raise InputError(f"{type(value).__name__}: {field.name}: expected {rule.words}, got {shown(given)}")
+
+
+#: Rules that were made, by function or class.
+_known: dict[Any, dict[str, _Rule]] = {}
+
+
+def _rules(owner: Any) -> dict[str, _Rule]:
+    """The rules of a function's parameters or of a class's fields, made when first needed."""
+    if owner in _known:
+        return _known[owner]
+    hints: dict[str, Any] = {}
+    for base in reversed(getattr(owner, "__mro__", (owner,))):
+        space = vars(sys.modules[base.__module__])
+        for name, hint in getattr(base, "__annotations__", {}).items():
+            try:
+                hints[name] = eval(hint, dict(space)) if isinstance(hint, str) else hint
+            except NameError:  # imported for type checkers only
+                hints[name] = Any
+    found = {name: _rule(hint) for name, hint in hints.items() if name != "return"}
+    return _known.setdefault(owner, {name: rule for name, rule in found.items() if rule is not None})
+
+
+#: Kinds of one value: what is taken for the hint, and its words. NumPy's numbers count as Python's.
+_PLAIN: dict[Any, _Rule] = {
+    float: _Rule(lambda v: isinstance(v, Real) and not isinstance(v, (bool, np.bool_)), "a number"),
+    int: _Rule(lambda v: isinstance(v, Integral) and not isinstance(v, (bool, np.bool_)), "a whole number"),
+    bool: _Rule(lambda v: isinstance(v, (bool, np.bool_)), "True or False"),
+    str: _Rule(lambda v: isinstance(v, str), "text"),
+    type(None): _Rule(lambda v: v is None, "None"),
+    os.PathLike: _Rule(lambda v: isinstance(v, os.PathLike), "a path"),
+    abc.Callable: _Rule(callable, "a function"),
+    abc.Mapping: _Rule(lambda v: isinstance(v, Mapping), "a dict"),
+    dict: _Rule(lambda v: isinstance(v, Mapping), "a dict"),
+}
+#: Kinds of many values.
+_MANY = (abc.Iterable, abc.Sequence, abc.Collection, list, tuple)
+
+
+def _rule(hint: Any) -> _Rule | None:
+    """The rule of a type hint; None where anything may pass."""
+    origin, args = typing.get_origin(hint), typing.get_args(hint)
+    if origin is typing.Annotated:
+        return _rule(args[0])
+    if origin in (typing.Union, types.UnionType):
+        return _either([_rule(option) for option in args])
+    if origin is typing.Literal:
+        return _Rule(lambda v: v in args, " or ".join(map(repr, args)))
+    kind = origin or (type(None) if hint is None else hint)
+    if kind in _PLAIN:
+        return _PLAIN[kind]
+    if kind in _MANY:
+        return _many(args)
+    if not isinstance(kind, type) or kind in (object, np.ndarray) or getattr(kind, "_is_protocol", False):
+        return None
+    article = "an" if kind.__name__[:1] in "AEIOU" else "a"
+    return _Rule(lambda v: isinstance(v, kind), f"{article} {kind.__name__}")
+
+
+def _either(options: list[_Rule | None]) -> _Rule | None:
+    rules = [rule for rule in options if rule is not None]
+    if len(rules) < len(options):
+        return None
+    *most, last = dict.fromkeys(rule.words for rule in rules)
+    words = f"{', '.join(most)} or {last}" if most else last
+    return _Rule(lambda v: any(rule.accepts(v) for rule in rules), words)
+
+
+def _many(args: tuple[Any, ...]) -> _Rule:
+    """A list, tuple, array or other iterable, never a text; the values of lists and tuples are looked at too."""
+    each = _rule(args[0]) if args and (len(args) == 1 or args[1] is ...) else None
+    words = {"text": "texts", "a number": "numbers", "a whole number": "whole numbers"}
+    of = "" if each is None else f" of {words.get(each.words, each.words)}"
+
+    def accepts(value: Any) -> bool:
+        if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, abc.Iterable):
+            return False
+        return each is None or not isinstance(value, (list, tuple)) or all(map(each.accepts, value))
+
+    return _Rule(accepts, f"a list{of}")
