@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from numbers import Integral
@@ -123,11 +123,15 @@ class Axis:
 
 @dataclass(frozen=True)
 class EffectAxes:
-    """The axes of Distance, Angle and Heading, in that order."""
+    """The axes of Distance, Angle and Heading, in that order.
+
+    body_length: metres, where the distance bins were made for a body, else None; it distinguishes no axes.
+    """
 
     distance: Axis
     angle: Axis
     heading: Axis
+    body_length: float | None = field(default=None, compare=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -135,13 +139,22 @@ class EffectAxes:
     @classmethod
     @checked
     def standard(
-        cls, body_length: float, *, distance_bin: float = 0.1, angle_bins: int = 36, heading_bins: int = 36
+        cls, body_length: float | None, *, distance_bin: float = 0.1, angle_bins: int = 36, heading_bins: int = 36
     ) -> EffectAxes:
-        """Axes for a body of ``body_length`` [m]; ``distance_bin`` is in body lengths."""
+        """Axes for a body of ``body_length`` [m]; ``distance_bin`` is in body lengths.
+
+        Raises InputError for a body length that is None, which is how a repertoire says that it knows none.
+        """
+        if body_length is None:
+            raise InputError(
+                "the bins need a body length, which the gaits do not say: "
+                "give axes= or GaitRepertoire(gaits, body_length=, duration=)"
+            )
         return cls(
             Axis.linear("Distance", distance_bin * body_length),
             Axis.full_turn("Angle", angle_bins),
             Axis.full_turn("Heading", heading_bins),
+            body_length=body_length,
         )
 
     def __iter__(self) -> Iterator[Axis]:
@@ -160,7 +173,7 @@ class EffectAxes:
 
     def extended(self, distance_bins: int) -> EffectAxes:
         """Return these axes with at least ``distance_bins`` distance bins."""
-        return EffectAxes(self.distance.extended(distance_bins), self.angle, self.heading)
+        return EffectAxes(self.distance.extended(distance_bins), self.angle, self.heading, body_length=self.body_length)
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:

@@ -14,7 +14,17 @@ from bayeshunt.core import displays
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import InputError, shown
 
-__all__ = ["Gait", "GaitRepertoire", "gait_name"]
+__all__ = ["GIVE_MEASURES", "Gait", "GaitRepertoire", "gait_name"]
+
+#: How a robot that the package does not know tells its measures.
+GIVE_MEASURES = "give GaitRepertoire(gaits, body_length=metres, duration=seconds)"
+_WORDS = {"body_length": "body length", "duration": "duration, how long one is held"}
+_TOLD = {
+    "duration": "{mine} holds a gait for {own:.6g} s, {theirs} for {its:.6g} s",
+    "body_length": "{mine} has a body of {own:.6g} m, {theirs} of {its:.6g} m",
+}
+#: Relative difference of two measures that are the same, written down with so many digits.
+_ALIKE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -55,13 +65,15 @@ def gait_name(label: Any) -> str:
 class GaitRepertoire(Sequence[Gait]):
     """The gaits of one robot, in the order of every table's columns.
 
-    body_length: metres, the unit of the default distance bins.
-    duration: seconds that one gait is held: the time-step of every model.
+    body_length: metres, the unit of the default distance bins; None: unknown.
+    duration: seconds that one gait is held: the time-step of every model; None: unknown.
+
+    Whatever needs a measure that is unknown says so when it needs it, see :meth:`need`.
     """
 
     gaits: tuple[Gait, ...]
-    body_length: float = 0.057
-    duration: float = 3.328
+    body_length: float | None = None
+    duration: float | None = None
     _positions: dict[str, int] = field(init=False, repr=False, compare=False, hash=False)
 
     def __post_init__(self) -> None:
@@ -79,7 +91,7 @@ class GaitRepertoire(Sequence[Gait]):
             raise InputError(f"gait names must be unique, repeated: {', '.join(repeated)}")
         for name in ("body_length", "duration"):
             value = getattr(self, name)
-            if not isinstance(value, Real) or not 0 < float(value) < math.inf:
+            if value is not None and (not isinstance(value, Real) or not 0 < float(value) < math.inf):
                 raise InputError(f"a gait repertoire needs {name} > 0, got {value!r}")
         object.__setattr__(self, "_positions", {name: i for i, name in enumerate(names)})
 
@@ -113,9 +125,36 @@ class GaitRepertoire(Sequence[Gait]):
         except (KeyError, TypeError, InputError):
             raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
 
+    def need(self, measure: str) -> float:
+        """Return ``body_length`` [m] or ``duration`` [s]; InputError in one line if it is not known."""
+        value: float | None = getattr(self, measure)
+        if value is None:
+            raise InputError(f"the gaits do not say their {_WORDS[measure]}: {GIVE_MEASURES}")
+        return value
+
+    def difference(self, other: GaitRepertoire, mine: str, theirs: str) -> str | None:
+        """Return in one line how these gaits differ from another robot's; None if they do not.
+
+        mine, theirs: what the line calls the two robots. Compared are names and their order, body length,
+        duration and commands; what one of the two does not know (None, or no command) differs from nothing.
+        """
+        if self.names != other.names:
+            return f"{mine} has the gaits {', '.join(self.names)}; {theirs} has {', '.join(other.names)}"
+        for measure, told in _TOLD.items():
+            own, its = getattr(self, measure), getattr(other, measure)
+            if own is not None and its is not None and not math.isclose(own, its, rel_tol=_ALIKE):
+                return told.format(mine=mine, theirs=theirs, own=own, its=its)
+        for own, its in zip(self.gaits, other.gaits, strict=True):
+            if own.command and its.command and not _close(own.command, its.command):
+                commands = (", ".join(f"{v:.6g}" for v in gait.command) for gait in (own, its))
+                return "{} commands gait {!r} as {}, {} as {}".format(mine, own.name, next(commands), theirs, *commands)
+        return None
+
     def __repr__(self) -> str:
-        body = f"body {1000 * self.body_length:g} mm"
-        return f"<GaitRepertoire: {len(self)} gaits, {body}, each held {self.duration:g} s>"
+        facts = [f"{len(self)} gaits"]
+        facts += [] if self.body_length is None else [f"body {1000 * self.body_length:g} mm"]
+        facts += [] if self.duration is None else [f"each held {self.duration:g} s"]
+        return f"<GaitRepertoire: {', '.join(facts)}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)
@@ -135,3 +174,10 @@ class GaitRepertoire(Sequence[Gait]):
 
     def __iter__(self) -> Iterator[Gait]:
         return iter(self.gaits)
+
+
+def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether two commands are the same but for rounding."""
+    return len(one) == len(other) and all(
+        math.isclose(a, b, rel_tol=_ALIKE, abs_tol=1e-12) for a, b in zip(one, other, strict=True)
+    )

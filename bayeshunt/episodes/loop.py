@@ -22,7 +22,7 @@ from bayeshunt.episodes.episode import Episode, Step
 from bayeshunt.episodes.trial import Trial
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
-from bayeshunt.planners.asking import ask, check_can_plan
+from bayeshunt.planners.asking import ask, check_can_plan, check_robot
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.registry import check_sections, foresight_of
 
@@ -63,6 +63,7 @@ def hunt(
     settings = load_experiment(experiment)
     check_sections(settings.planner)
     check_can_plan(planner)
+    check_robot(planner, settings.robot.gaits, settings.robot.name)
     steps: list[Step] = []
     trail: list[Moment] = []
     trial = _Hunt(settings, arena, theta, seed, prey_model, trail)

@@ -16,7 +16,7 @@ from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean, show
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.planners.api import Plan, Planner, Shown, Situation
 
-__all__ = ["Timed", "ask", "check_can_plan", "failure"]
+__all__ = ["Timed", "ask", "check_can_plan", "check_robot", "failure"]
 
 
 class Timed:
@@ -50,6 +50,16 @@ def check_can_plan(planner: Any, *, named: bool = True) -> None:
         raise InputError(
             f'planner: a planner of class {type(planner).__name__} has no name; give the class one: name = "mine"'
         )
+
+
+def check_robot(planner: Planner, robot: GaitRepertoire, name: str) -> None:
+    """Raise InputError if a planner's model is of another robot than ``robot``, which is called ``name``.
+
+    A planner says what gaits it plans for by its attribute ``hunter``; without that it is not checked.
+    """
+    hunter = getattr(planner, "hunter", None)
+    if isinstance(hunter, GaitRepertoire) and (difference := hunter.difference(robot, "the planner's robot", name)):
+        raise InputError(f"{difference}; give a planner with a model of this robot")
 
 
 def ask(planner: Planner, situation: Situation, rng: np.random.Generator, gaits: GaitRepertoire) -> Plan:

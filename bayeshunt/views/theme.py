@@ -170,4 +170,4 @@ def _turn(model: ForwardModel, gait: int) -> float:
         end = model.predict(model.gaits[gait])
     except ZeroCountError:
         return 0.0
-    return float(end.angle if end.distance > 0.1 * model.gaits.body_length else end.heading)
+    return float(end.angle if end.distance > 0.1 * (model.gaits.body_length or 0.0) else end.heading)

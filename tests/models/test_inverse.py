@@ -12,6 +12,7 @@ from model_cases import babbled, frame_of, random_model, repertoire, small_axes
 
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError
+from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
@@ -239,7 +240,7 @@ def test_table_lists_every_learned_cell(inverse: InverseModel) -> None:
 
 def test_empty_model_has_no_inverse() -> None:
     with pytest.raises(ZeroCountError, match="counted nothing"):
-        InverseModel(ForwardModel.empty(["a"], 1.0))
+        InverseModel(ForwardModel.empty(GaitRepertoire.of(["a"], body_length=0.05), 1.0))
 
 
 def test_a_copy_from_another_process_answers_the_same(inverse: InverseModel, worker) -> None:

@@ -220,7 +220,9 @@ def test_an_unknown_gait_before_is_named_with_its_file_and_row(tmp_path: Path) -
         fit(frame)
     babbling_table.save(frame, tmp_path / "t.parquet", {})
     with pytest.raises(bh.DataError, match=r"t\.parquet: row 17: previous_gait 'gallop'"):
-        count_tables(open_tables([tmp_path / "t.parquet"]), bh.GaitRepertoire.of(GAITS), structure="previous_gait")
+        count_tables(
+            open_tables([tmp_path / "t.parquet"]), bh.GaitRepertoire.of(GAITS), axes=AXES, structure="previous_gait"
+        )
 
 
 def test_a_pair_never_babbled_needs_a_prior() -> None:

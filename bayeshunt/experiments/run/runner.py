@@ -200,6 +200,9 @@ def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
             f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
             f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
         )
+    difference = model.gaits.difference(settings.robot.gaits, "the model's robot", settings.robot.name)
+    if difference is not None:
+        raise InputError(f"{difference}; fit a model of this robot")
 
 
 def check_minds(planners: str | Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:

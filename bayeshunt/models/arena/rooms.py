@@ -70,7 +70,7 @@ class RoomModel:
         if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
             raise DataError("track: expected at least three places, and finite x, y and theta")
         held = places[_held_up(track, model)]
-        walls = _merge(_edges(_hull(places)), held, model.gaits.body_length)
+        walls = _merge(_edges(_hull(places)), held, model.gaits.need("body_length"))
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
@@ -127,7 +127,7 @@ def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:
     miss = np.hypot(
         start[:, 0] + cos * ahead - sin * left - end[:, 0], start[:, 1] + sin * ahead + cos * left - end[:, 1]
     )
-    held = last["step"].to_numpy()[miss > _BLOCKED * model.gaits.body_length]
+    held = last["step"].to_numpy()[miss > _BLOCKED * model.gaits.need("body_length")]
     return track["step"].isin(held).to_numpy()
 
 

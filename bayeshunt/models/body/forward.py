@@ -29,6 +29,7 @@ from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.models.body.opening import OpenTables
 from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
 from bayeshunt.models.formats import csv, model_file, xmlbif
 from bayeshunt.models.tables import network, sampling
@@ -119,7 +120,8 @@ class ForwardModel(OpenTables):
         """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
 
         frame: columns gait, distance [m], angle and heading [rad clockwise]; path columns optional.
-        gaits: a repertoire, or Gait objects or names, in table order.
+        gaits: a repertoire, or Gait objects or names, in table order. Of names alone, body length and duration are
+            those of the robot that the table's record names, or of ``axes``; else they are unknown.
         prior: Dirichlet pseudo-count per cell, >= 0.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
             to the farthest row.
@@ -132,8 +134,8 @@ class ForwardModel(OpenTables):
         needs a prior.
         """
         check_hunting(structure)
-        repertoire = GaitRepertoire.of(gaits)
-        grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
+        record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
+        repertoire, grid = measured(gaits, axes, record)
         empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior)
         return empty.update(frame)._fitted(structure)
 
@@ -189,8 +191,7 @@ class ForwardModel(OpenTables):
         structure: as in :meth:`fit`, but for those that are found in rows, of which there are none yet.
         """
         check_hunting(structure)
-        repertoire = GaitRepertoire.of(gaits)
-        grid = axes if axes is not None else EffectAxes.standard(repertoire.body_length)
+        repertoire, grid = measured(gaits, axes)
         counts = counts_for(structure).empty(repertoire, grid)
         if isinstance(structure, str):
             if structure in SEARCHED:

@@ -16,6 +16,7 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data.babbling_table import Batches
 from bayeshunt.models.counting.joint import JointCounts
+from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for, previous_codes
 from bayeshunt.models.tables.structures import Structure
 
@@ -56,13 +57,13 @@ def count_tables(
     Raises DataError naming the file and the row that is wrong.
     """
     kind: Any = counts_for(structure)
-    counts = kind.empty(gaits, axes if axes is not None else EffectAxes.standard(gaits.body_length))
+    counts = kind.empty(*measured(gaits, axes, tables[0].provenance if tables else None))
     for table in tables:
         first = 0
         for frame in table.of(gaits.names):
             if kind is PreviousCounts:
                 previous_codes(frame, gaits, source=table.name, first_row=first)  # names the file and the row
-            counts = counts.merge(kind.of(frame, gaits, counts.axes))
+            counts = counts.merge(kind.of(frame, counts.gaits, counts.axes))
             first += len(frame)
             if progress is not None:
                 progress(len(frame))

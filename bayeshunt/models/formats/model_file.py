@@ -92,8 +92,7 @@ def dumps(model: Storable) -> str:
     if not isinstance(model.source, (CountedTables, ContextTables)):
         raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
     content = _content(model.source, model.provenance)
-    version = FORMAT if isinstance(model.source, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
-    facts = {"kind": KIND, "format": version, "checksum": _checksum(content)}
+    facts = {"kind": KIND, "format": _version(model.source), "checksum": _checksum(content)}
     head = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in facts.items()]
     body = [f" {json.dumps(key)}: {_layout(key, content[key])}" for key in sorted(content)]
     return "{\n" + ",\n".join(head) + ',\n"content": {\n' + ",\n".join(body) + "\n}}\n"
@@ -106,6 +105,11 @@ def loads(text: str, name: str = "model") -> Stored:
         return _model(content, NAIVE if version == 1 else _structure(content["structure"]))
     except (KeyError, TypeError, ValueError, OverflowError, BayesHuntError) as error:
         raise _RECORD.malformed(name, error) from None
+
+
+def _version(tables: CountedTables | ContextTables) -> int:
+    """The oldest format that can say everything, so that older programs can read the file."""
+    return FORMAT if isinstance(tables, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
 
 
 # --- a model as plain numbers ----------------------------------------------------------------------
@@ -161,8 +165,8 @@ def _layout(key: str, value: Any) -> str:
 def _model(content: Any, structure: Structure) -> Stored:
     gaits = GaitRepertoire(
         tuple(Gait(str(g["name"]), tuple(float(v) for v in g["command"])) for g in content["gaits"]),
-        body_length=float(content["body_length"]),
-        duration=float(content["duration"]),
+        body_length=_measure(content["body_length"]),
+        duration=_measure(content["duration"]),
     )
     axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
     prior, gait_prior, provenance = content["prior"], content["gait_prior"], dict(content["provenance"])
@@ -175,6 +179,10 @@ def _model(content: Any, structure: Structure) -> Stored:
     rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
     joint = _joint_counts(rows.reshape(-1, 5), sums, gaits, axes)
     return Stored(tables_of(joint, prior, gait_prior, structure), provenance)
+
+
+def _measure(value: Any) -> float | None:
+    return None if value is None else float(value)
 
 
 def _joint_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> JointCounts:

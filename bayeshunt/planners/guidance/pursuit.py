@@ -25,11 +25,12 @@ class PurePursuit(Shown):
     name = "pure_pursuit"
 
     def __init__(self, model: ForwardModel) -> None:
+        self.hunter = model.gaits
         self.steering = Steering(model, self.name)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the prey's present position."""
-        situation = check_request(situation, rng, self.steering.hunter)
+        situation = check_request(situation, rng, self.hunter)
         prey = situation.prey
         return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
 
@@ -55,12 +56,13 @@ class ProportionalNavigation(Shown):
                 f"proportional_navigation: navigation_constant must be a number > 0, got {navigation_constant!r}"
             )
         self.navigation_constant = float(navigation_constant)
+        self.hunter = model.gaits
         self.steering = Steering(model, self.name)
         self._fast = _fast_gaits(self.steering)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait whose turn is nearest the one commanded."""
-        situation = check_request(situation, rng, self.steering.hunter)
+        situation = check_request(situation, rng, self.hunter)
         steering, prey = self.steering, situation.prey
         ahead, right = float(prey.forward), float(prey.right)
         if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
@@ -103,11 +105,12 @@ class ConstantVelocity(Shown):
             if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 < value < math.inf):
                 raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
         self.acceleration, self.position = float(acceleration), float(position)
+        self.hunter = model.gaits
         self.steering = Steering(model, self.name)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the point of interception."""
-        situation = check_request(situation, rng, self.steering.hunter)
+        situation = check_request(situation, rng, self.hunter)
         if not situation.transitions:
             prey = situation.prey
             return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))

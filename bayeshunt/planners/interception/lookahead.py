@@ -81,7 +81,7 @@ class PairPaths:
         if depends_on_previous(model.structure):
             second = np.stack([gait_paths(model.after(gait)) for gait in model.gaits])
             second = np.moveaxis(second, -1, 0)[..., None]
-        return cls.compile(paths, second, model.gaits.duration)
+        return cls.compile(paths, second, model.gaits.need("duration"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ class PairPlanner(Shown):
     def __init__(self, model: ForwardModel, homing: Homing, spread: float) -> None:
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
-        self.time_step = model.gaits.duration
+        self.time_step = model.gaits.need("duration")
         self.pairs = PairPaths.mean(model)
         after = self.gaits if depends_on_previous(model.structure) else ()
         #: Those that follow a gait, where that changes them.

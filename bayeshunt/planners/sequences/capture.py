@@ -46,7 +46,7 @@ class CapturePaths:
 
     def __init__(self, model: ForwardModel, depth: int, max_transitions: int) -> None:
         paths = gait_paths(model)
-        self.duration = model.gaits.duration
+        self.duration = model.gaits.need("duration")
         self.points = paths.shape[1]
         self.interval = self.duration / self.points
         self.depth = depth

@@ -36,7 +36,7 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     """
     figure = Figure(figsize=(7.2, _height(model, 3.9)), layout="constrained")
     place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
-    diameter = model.gaits.body_length * 1000
+    diameter = (model.gaits.body_length or 0.0) * 1000  # unknown: no disc
     body(place, 0, 0, 0, diameter, INK)
     counted = model.joint.marginal("Gait") if model.has_counts else np.ones(len(model.gaits))
     colours = theme.gait_colours(model)

@@ -93,7 +93,7 @@ def _scene(inverse: InverseModel) -> dict[str, Any]:
         "paths": [_path(model, gait) for gait in range(len(model.gaits))],
         "cells": cells,
         "counted": counted,
-        "radius": model.gaits.body_length / 2,
+        "radius": (model.gaits.body_length or 0.0) / 2,
         "distance_width": axes.distance.width,
         "angle_bins": axes.angle.bins,
         "reach": axes.distance.edges[-1].item(),

@@ -30,7 +30,7 @@ def forward_model(model: ForwardModel) -> Html:
         pairs += [
             ("prior", f"{number(model.prior)} per cell" if model.prior else "none"),
             ("P(Gait)", model.gait_prior),
-            ("one gait lasts", f"{model.gaits.duration:g} s"),
+            ("one gait lasts", "unknown" if model.gaits.duration is None else f"{model.gaits.duration:g} s"),
         ]
     else:
         pairs.append(("counts and intervals", "unknown"))

@@ -65,7 +65,10 @@ def robot(shown: RobotSettings) -> Sheet:
 
 def gaits(shown: GaitRepertoire) -> Sheet:
     """Return a repertoire: a row per gait, with its command in the body's own units."""
-    pairs = [("body length", length(shown.body_length)), ("time-step", f"{shown.duration:g} s, held by every gait")]
+    pairs = [
+        ("body length", "unknown" if shown.body_length is None else length(shown.body_length)),
+        ("time-step", "unknown" if shown.duration is None else f"{shown.duration:g} s, held by every gait"),
+    ]
     rows = [(clean(gait.name), ", ".join(f"{value:g}" for value in gait.command)) for gait in shown]
     return Sheet(f"Gaits: {len(shown)}, in the order of every table", pairs, ("gait", "command"), rows)
 

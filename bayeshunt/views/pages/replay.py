@@ -68,6 +68,11 @@ def replay_data(
     settings = parse(ExperimentSettings, origin["settings"], "the episode's settings")
     if episode.frame.empty:
         raise InputError("nothing to replay: the hunt ended before its first decision")
+    if model is not None:
+        check_kind(model, "model", ForwardModel, "a ForwardModel")
+        robot = settings.robot
+        if (difference := model.gaits.difference(robot.gaits, "the model's robot", robot.name)) is not None:
+            raise InputError(f"{difference}; give a model of the robot that hunted")
     planner, arena, theta, seed = (origin[key] for key in ("planner", "arena", "theta", "seed"))
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]

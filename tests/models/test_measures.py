@@ -1,0 +1,146 @@
+"""A model knows its robot's body and duration, or says that it does not; another robot's model is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+
+NAMES = ("left", "right")
+ROWS = pd.DataFrame({"gait": ["left", "right"] * 3, "distance": 0.3, "angle": 0.1, "heading": 0.0})
+AXES = bh.EffectAxes.standard(0.35)
+
+
+def test_names_alone_know_neither_body_nor_duration() -> None:
+    gaits = GaitRepertoire.of(NAMES)
+    assert (gaits.body_length, gaits.duration) == (None, None)
+    assert repr(gaits) == "<GaitRepertoire: 2 gaits>"
+    for measure in ("body_length", "duration"):
+        with pytest.raises(bh.InputError, match=r"give GaitRepertoire\(gaits, body_length=metres, duration=seconds\)"):
+            gaits.need(measure)
+    with pytest.raises(bh.InputError, match=r"give axes= or GaitRepertoire\(gaits, body_length=, duration=\)$"):
+        bh.ForwardModel.fit(ROWS, NAMES)
+    with pytest.raises(bh.InputError, match=r"^the bins need a body length"):
+        bh.ForwardModel.empty(NAMES)
+
+
+def test_bins_say_what_body_they_were_made_for(tmp_path) -> None:
+    model = bh.ForwardModel.fit(ROWS, NAMES, axes=AXES)
+    assert (model.gaits.body_length, model.gaits.duration) == (0.35, None)
+    assert bh.ForwardModel.empty(NAMES, axes=AXES).update(ROWS) == model
+    custom = bh.EffectAxes(AXES.distance, AXES.angle, AXES.heading)
+    assert custom == AXES
+    unknown = bh.ForwardModel.fit(ROWS, NAMES, axes=custom)
+    assert unknown.gaits.body_length is None
+    for one in (model, unknown):
+        one.save(tmp_path / "model.json")
+        back = bh.ForwardModel.load(tmp_path / "model.json")
+        assert back == one
+        assert (back.gaits.body_length, back.gaits.duration) == (one.gaits.body_length, None)
+        assert str(one)
+        assert one._repr_html_()
+
+
+def test_what_is_given_stands() -> None:
+    given = GaitRepertoire.of(NAMES, body_length=0.2, duration=1.5)
+    model = bh.ForwardModel.fit(ROWS, given, axes=AXES)
+    assert model.gaits == given
+
+
+def test_a_table_says_which_robot_made_it() -> None:
+    frame = bh.babble("car", 60, 0)
+    names = sorted(set(frame["gait"]))
+    model = bh.ForwardModel.fit(frame, names)
+    car = bh.load_robot("car")
+    assert (model.gaits.body_length, model.gaits.duration) == (car.body.diameter, car.gait_duration)
+    frame.attrs = {}
+    with pytest.raises(bh.InputError, match="the bins need a body length"):
+        bh.ForwardModel.fit(frame, names)
+
+
+@pytest.mark.parametrize("planner", ["planning", "intercept", "frugal", "prediction"])
+def test_who_needs_a_measure_says_so(planner: str) -> None:
+    model = bh.ForwardModel.fit(ROWS, NAMES, axes=bh.EffectAxes(AXES.distance, AXES.angle, AXES.heading))
+    situation = bh.Situation(prey=bh.Polar(0.3, 0.2, 0.1), prey_model=bh.PreyModel())
+    with pytest.raises(bh.InputError, match=r"needs .*, which its model does not say: fit it with GaitRepertoire"):
+        bh.make_planner(planner, model).plan(situation, rng=np.random.default_rng(0))
+
+
+# --- another robot ---------------------------------------------------------------------------------
+
+
+def test_differences_name_the_quantity_and_both_values() -> None:
+    mine = GaitRepertoire((Gait("a", (0.1, 0.1)), Gait("b", (0.1, 0.0))), 0.057, 3.328)
+    for other, says in (
+        (replace(mine, duration=1.0), "X holds a gait for 3.328 s, Y for 1 s"),
+        (replace(mine, body_length=0.35), "X has a body of 0.057 m, Y of 0.35 m"),
+        (replace(mine, gaits=(mine[0], Gait("b", (0.2, 0.0)))), "X commands gait 'b' as 0.1, 0, Y as 0.2, 0"),
+        (replace(mine, gaits=(mine[0], Gait("b", (0.1,)))), "X commands gait 'b' as 0.1, 0, Y as 0.1"),
+        (replace(mine, gaits=mine.gaits[:1]), "X has the gaits a, b; Y has a"),
+        (replace(mine, gaits=mine.gaits[::-1]), "X has the gaits a, b; Y has b, a"),
+    ):
+        assert mine.difference(other, "X", "Y") == says
+    assert mine.difference(replace(mine, duration=3.328 * (1 + 1e-9)), "X", "Y") is None
+    for unknown in (GaitRepertoire.of(["a", "b"]), replace(mine, duration=None, body_length=None)):
+        assert mine.difference(unknown, "X", "Y") is None
+        assert unknown.difference(mine, "X", "Y") is None
+
+
+def others() -> dict[str, tuple[bh.RobotSettings, str]]:
+    """Robots with the Khepera's gait names, and how each differs from it."""
+    khepera = bh.load_robot("khepera")
+    facts = khepera.model_dump()
+    faster = [{**gait, "left": 0.5 * gait["left"]} for gait in facts["gait"]]
+    return {
+        "duration": (khepera.model_copy(update={"gait_duration": 1.0}), "holds a gait for 1 s, khepera for 3.328 s"),
+        "commands": (bh.RobotSettings.model_validate({**facts, "gait": faster}), "commands gait 'straight' as "),
+        "body": (
+            bh.RobotSettings.model_validate({**facts, "body": {**facts["body"], "diameter": 0.08}}),
+            "has a body of 0.08 m, khepera of 0.057 m",
+        ),
+    }
+
+
+@pytest.mark.parametrize("kind", ["duration", "commands", "body"])
+def test_a_model_of_another_robot_is_refused_before_any_step(kind: str, tmp_path, bayeshunt) -> None:
+    robot, says = others()[kind]
+    model = bh.ForwardModel.fit(bh.babble(robot, 200, 0), robot.gaits, 0.03)
+    with pytest.raises(bh.InputError, match=f"^the model's robot {says}.*; fit a model of this robot$"):
+        bh.evaluate("paper", model=model, planners="reactive", runs=1)
+    with pytest.raises(bh.InputError, match=f"^the planner's robot {says}"):
+        bh.hunt("paper", bh.make_planner("planning", model), arena="open")
+    episode = bh.hunt("paper", _Straight(), arena="open")
+    with pytest.raises(bh.InputError, match=f"^the model's robot {says}"):
+        bh.write_replay(episode, tmp_path / "page.html", model=model)
+    model.save(tmp_path / "model.json")
+    episode.save(tmp_path / "hunt.parquet")
+    for command in (
+        ("evaluate", "--preset", "paper", "--runs", "1", "--planner", "reactive", "--model", "model.json"),
+        ("hunt", "--preset", "paper", "--planner", "reactive", "--model", "model.json"),
+        ("replay", "hunt.parquet", "--model", "model.json", "--out", "page.html"),
+    ):
+        out, err = bayeshunt(*command, status=2)
+        assert f"the model's robot {says}" in " ".join(err.split()), command
+        assert not out
+    assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize("planner", ["pure_pursuit", "proportional_navigation", "frugal", "intercept", "reactive"])
+def test_every_planner_with_a_model_is_held_to_its_robot(planner: str) -> None:
+    model = bh.ForwardModel.fit(bh.babble("car", 300, 0), bh.load_robot("car").gaits, 0.03)
+    with pytest.raises(bh.InputError, match=r"^the planner's robot has the gaits .*; khepera has "):
+        bh.hunt("paper", bh.make_planner(planner, model), arena="open")
+
+
+class _Straight:
+    """A rule without a model: nobody can say that its robot is another."""
+
+    name = "straight"
+
+    def plan(self, situation: bh.Situation, *, rng: object) -> bh.Plan:
+        return bh.Plan("straight")
