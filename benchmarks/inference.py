@@ -116,7 +116,7 @@ def answers_table(model: ForwardModel, seed: int) -> list[dict[str, Any]]:
     rng = np.random.default_rng(seed)
     inverse = InverseModel(model)
     distances, angles = make_targets(model, MANY, rng=rng)
-    inverse.posterior_many(distances, angles)  # rings are worked out when first asked
+    inverse.posterior_many(distances, angles)  # what can answer where is worked out when first asked
     single = ask_ours(inverse, distances[:ANSWERS], angles[:ANSWERS])
     table = inverse.table().iloc[rng.integers(0, len(inverse.table()), ANSWERS)]
     own = ask_ours(inverse, table["distance"].to_numpy(), table["angle"].to_numpy())

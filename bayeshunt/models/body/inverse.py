@@ -19,7 +19,7 @@ from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCount
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import wrap
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.body.nearest import FARTHEST, RINGS, SECTORS, CellFinder
+from bayeshunt.models.body.nearest import FARTHEST, CellFinder
 from bayeshunt.models.body.posterior import Cell, CellPosterior, Posterior
 from bayeshunt.models.tables.structures import PREVIOUS, depends_on_previous
 
@@ -48,14 +48,14 @@ class InverseModel:
         self.model = model
         distance, angle, _ = model.axes
         self._distance_width, self._distance_bins = distance.width, distance.bins
-        self._angle_width, self._angle_edge = angle.width, angle.edges[0].item()
+        self._angle_width, self._angle_edge, self._angle_bins = angle.width, angle.edges[0].item(), angle.bins
         self._values, self._evidence = self._compile()
-        self._sources = [self._source(row) for row in range(len(self._cells))]
-        self._finder = CellFinder(distance, angle, self._cells, self._sources)
-        self._rings, self._build = self._finder.rows, self._finder.build
-        self._known: dict[tuple[int, int, int | None], CellPosterior | None] = {
-            (source.cell.distance_bin, source.cell.angle_bin, None): source for source in self._sources
-        }
+        # Answers are made when first asked for: a wide table has tens of thousands.
+        self._sources: list[CellPosterior | None] = [None] * len(self._cells)
+        self._rows = dict(zip(map(tuple, self._cells.tolist()), range(len(self._cells)), strict=True))
+        self._finder = CellFinder(distance, angle, self._cells)
+        self._nearest = self._finder.nearest
+        self._known: dict[tuple[int, int, int | None], CellPosterior | None] = {}
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
         self._depends = depends_on_previous(model.structure) or PREVIOUS in model.known
         self._after: dict[str, InverseModel] = {}
@@ -96,11 +96,12 @@ class InverseModel:
             raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
         d_bins = d / self._distance_width
-        ring = int(d_bins * RINGS) if d_bins < self._distance_bins else self._finder.far_ring(d_bins)
         a_bins = ((a if -_PI < a <= _PI else wrap(a)) - self._angle_edge) / self._angle_width
-        source, snapped = (self._rings[ring] or self._build(ring))[_floor(a_bins * SECTORS)]
-        if source is None:
-            source, snapped = self._finder.settle(snapped, d, d * math.cos(a), d * math.sin(a)), True
+        row = self._rows.get((int(d_bins), _floor(a_bins) % self._angle_bins))
+        snapped = row is None
+        if row is None:
+            row = self._nearest(d, a, d_bins, a_bins)
+        source = self._sources[row] or self._source(row)
         if heading is None and snap:
             return _make(Posterior, (source, d, a, None, snapped))
         return self._careful(Posterior(source, d, a, heading, snapped), snap)
@@ -127,13 +128,14 @@ class InverseModel:
         Columns: distance [m], angle [rad] (cell centres), support (rows; all missing, as Int64, in an
         imported network), evidence_probability, and one column per gait.
         """
-        cells = [source.cell for source in self._sources]
-        support = [source.support for source in self._sources]
+        distance, angle, _ = self.model.axes
+        bins = tuple(self._cells.T)
+        known = self.model.has_counts
         frame = pd.DataFrame(
             {
-                "distance": [cell.distance for cell in cells],
-                "angle": [cell.angle for cell in cells],
-                "support": support if self.model.has_counts else pd.array(support, dtype="Int64"),
+                "distance": distance.centres[bins[0]],
+                "angle": angle.centres[bins[1]],
+                "support": self.model.joint.support[bins] if known else pd.array([None] * len(bins[0]), dtype="Int64"),
                 "evidence_probability": self._evidence,
             }
         )
@@ -167,9 +169,12 @@ class InverseModel:
         return values, evidence
 
     def _source(self, row: int) -> CellPosterior:
+        """The posterior of a learned cell. Remembered."""
         d_bin, a_bin = self._cells[row].tolist()
         cell, support = self._cell(d_bin, a_bin, None), self._support((d_bin, a_bin, None))
-        return CellPosterior(cell, self.model, self._values[row], float(self._evidence[row]), support)
+        source = CellPosterior(cell, self.model, self._values[row], float(self._evidence[row]), support)
+        self._sources[row] = source
+        return source
 
     def _cell(self, d_bin: int, a_bin: int, h_bin: int | None) -> Cell:
         distance, angle, heading = self.model.axes
@@ -202,6 +207,9 @@ class InverseModel:
         """The posterior given exactly these bins, or None where P(evidence) = 0. Remembered."""
         if d_bin >= self._distance_bins:
             return None
+        row = None if h_bin is not None else self._rows.get((d_bin, a_bin))
+        if row is not None:
+            return self._sources[row] or self._source(row)
         key = (d_bin, a_bin, h_bin)
         if key not in self._known:
             joint = self._joint(d_bin, a_bin, h_bin)
