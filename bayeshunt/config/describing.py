@@ -37,7 +37,7 @@ def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
 def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
     schema = kind.model_json_schema()["properties"]
     for name, info in kind.model_fields.items():
-        inner = _settings_inside(info.annotation)
+        inner = None if name == "published" else _settings_inside(info.annotation)  # its description says them
         if inner is not None:
             many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
             yield from _describe(inner, f"{prefix}{name}{many}.")
@@ -53,8 +53,10 @@ def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
 
 def _settings_inside(annotation: Any) -> type[BaseModel] | None:
     """The settings class that an annotation is or holds, if any."""
-    options = [annotation, *getattr(annotation, "__args__", ())]
-    return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    inside = map(_settings_inside, getattr(annotation, "__args__", ()))
+    return next((found for found in inside if found is not None), None)
 
 
 #: Types of a JSON schema in words.

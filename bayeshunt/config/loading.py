@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config.describing import describe, keys_at
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.config.schema.published import FORMS
 from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
 from bayeshunt.files.parquet import PROVENANCE_KEY
 
@@ -199,9 +200,10 @@ def _set(values: dict[str, Any], dotted: str, value: Any, source: str) -> None:
 def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     """One line for the first thing that is wrong in ``values``."""
     first = error.errors(include_url=False)[0]
-    key = _key(first["loc"], values)
+    place = tuple(part for part in first["loc"] if part not in FORMS)
+    key = _key(place, values)
     if first["type"] == "extra_forbidden":
-        hint = did_you_mean(first["loc"][-1], keys_at(kind, first["loc"][:-1]))
+        hint = did_you_mean(place[-1], keys_at(kind, place[:-1]))
         return f"{key}: unknown key{hint or '; it is not a setting'}"
     if first["type"] == "missing":
         return f"{key}: required, but not given"

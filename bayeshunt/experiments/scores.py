@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.config.schema.published import Published
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.tables.structures import NAIVE
@@ -58,15 +59,17 @@ def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[
     """Return one row per planner, arena and bearing, and one with ``theta`` None for their total.
 
     results: one row per hunt, as :func:`bayeshunt.evaluate` returns it. Times of missed hunts
-    count as the time limit. ``paper_success`` is the published share of the total, or None.
+    count as the time limit. ``paper_success`` is the published share, or None where none was published.
     """
     settings = as_evaluated(results, settings)
     rows = []
     for (planner, arena), hunts in results.groupby(["planner", "arena"], sort=False):
-        published = settings.published.get(str(planner), {}).get(str(arena))
+        published = settings.reported(str(planner), str(arena))
+        bearings = [float(theta) for theta in settings.protocol.thetas]
         theta: Any
         for theta, some in hunts.groupby("theta", sort=True):
-            rows.append(_row(planner, arena, float(theta), some, None))
+            at = published.at(bearings.index(float(theta))) if published and float(theta) in bearings else None
+            rows.append(_row(planner, arena, float(theta), some, at))
         rows.append(_row(planner, arena, None, hunts, published))
     return rows
 
@@ -88,7 +91,9 @@ def as_evaluated(results: pd.DataFrame, settings: ExperimentSettings) -> Experim
     return settings.model_copy(update={"note": note, "published": {}})
 
 
-def _row(planner: Any, arena: Any, theta: float | None, hunts: pd.DataFrame, published: float | None) -> dict[str, Any]:
+def _row(
+    planner: Any, arena: Any, theta: float | None, hunts: pd.DataFrame, published: Published | None
+) -> dict[str, Any]:
     runs, caught = len(hunts), int(hunts["caught"].sum())
     low, high = wilson_interval(caught, runs)
     return {
@@ -101,5 +106,5 @@ def _row(planner: Any, arena: Any, theta: float | None, hunts: pd.DataFrame, pub
         "ci_low": low,
         "ci_high": high,
         "mean_time_s": math.fsum(hunts["time"]) / runs,
-        "paper_success": published,
+        "paper_success": None if published is None else published.share,
     }

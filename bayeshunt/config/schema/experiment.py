@@ -11,6 +11,7 @@ from bayeshunt.config.schema.groups import ShownSettings
 from bayeshunt.config.schema.model import ModelSettings
 from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
+from bayeshunt.config.schema.published import Published, Reported
 from bayeshunt.config.schema.robot import RobotSettings
 from bayeshunt.core.errors import ConfigError, did_you_mean
 from bayeshunt.core.geometry import Polar, Pose
@@ -36,8 +37,10 @@ class ExperimentSettings(ShownSettings):
         ("reactive", "prediction", "planning"), min_length=1, description="planners that are evaluated"
     )
     planner: dict[str, dict[str, Any]] = Field(default_factory=dict, description="settings of planners, by name")
-    published: dict[str, dict[str, float]] = Field(
-        default_factory=dict, description="published success [share], by planner and arena"
+    published: dict[str, dict[str, Reported]] = Field(
+        default_factory=dict,
+        description="published figures by planner and arena: a share, or a group of "
+        "caught, runs, by_theta, printed, success and mean_time",
     )
 
     @model_validator(mode="after")
@@ -45,6 +48,23 @@ class ExperimentSettings(ShownSettings):
         if not self.arenas:
             raise ValueError("arenas: at least one arena is needed")
         return self
+
+    @model_validator(mode="after")
+    def _published_by_bearing(self) -> ExperimentSettings:
+        for planner, arenas in self.published.items():
+            for arena, said in arenas.items():
+                counts = said.by_theta if isinstance(said, Published) else None
+                if counts is not None and len(counts) != len(self.protocol.thetas):
+                    raise ValueError(
+                        f"published.{planner}.{arena}.by_theta: {len(counts)} counts for the "
+                        f"{len(self.protocol.thetas)} bearings of protocol.thetas"
+                    )
+        return self
+
+    def reported(self, planner: str, arena: str) -> Published | None:
+        """Return what was published of a planner in an arena, a bare share as a :class:`Published`; None if nothing."""
+        said = self.published.get(planner, {}).get(arena)
+        return said if said is None or isinstance(said, Published) else Published(success=said)
 
     def __repr__(self) -> str:
         hunts = f"{len(self.protocol.thetas)} bearings x {self.protocol.runs} runs"

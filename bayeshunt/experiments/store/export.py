@@ -13,6 +13,7 @@ import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import DataError, InputError, ResultsError
+from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.experiments.store.identity import Identity, model_fingerprint
 from bayeshunt.files import parquet
@@ -33,6 +34,7 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
     """Return the summary that ``bayeshunt evaluate --json`` prints."""
     return {
         "rows": summarise(results, settings),
+        "reported": compare(results, settings),
         "experiment": settings.name,
         "note": as_evaluated(results, settings).note,
         "seed": int(seed),
@@ -143,9 +145,28 @@ def to_markdown(facts: dict[str, Any]) -> str:
     totals = [row for row in facts["rows"] if row["theta"] is None]
     bearings = [row for row in facts["rows"] if row["theta"] is not None]
     lines += [_markdown_row(row, facts) for row in [*totals, *bearings]]
+    lines += _compared(facts["reported"])
     if facts.get("not_ab_initio"):
         lines += ["", f"\\* {NOT_AB_INITIO}"]
     return "\n".join(lines) + "\n"
+
+
+def _compared(rows: list[dict[str, Any]]) -> list[str]:
+    """What was published, beside what came out, as a Markdown table; nothing where no counts were published."""
+    tested = [row for row in rows if row["p_success"] is not None]
+    if not tested:
+        return []
+    lines = ["", "| reported | arena | theta [rad] | paper | here | p (Fisher) | paper, mean time [s] | here | p (z) |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]  # fmt: skip
+    for row in tested:
+        theta = "all" if row["theta"] is None else f"{row['theta']:g}"
+        times = ["", "", ""]
+        if row["p_time"] is not None:
+            times = [f"{row['paper_mean_time_s']:g}", f"{row['mean_time_s']:.2f}", f"{row['p_time']:.3g}"]
+        counts = [f"{row['paper_caught']}/{row['paper_runs']}", f"{row['caught']}/{row['runs']}"]
+        cells = [row["planner"], row["arena"], theta, *counts, f"{row['p_success']:.3g}", *times]
+        lines.append(f"| {' | '.join(cells)} |")
+    return lines
 
 
 def _markdown_row(row: dict[str, Any], facts: dict[str, Any]) -> str:

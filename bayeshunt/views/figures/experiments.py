@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import InputError, did_you_mean
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.core.units import degrees
+from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, styled
+from bayeshunt.views.reported import p_text
 
 
 @styled
@@ -53,24 +57,27 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
     place, protocol = settings.arenas[arena], settings.protocol
     hunter, prey = settings.robot.body.diameter * 1000, settings.prey.body.diameter * 1000
     distance = protocol.prey_distance * hunter
+    room = 500 * min(place.width, place.height) - distance if place.walled else np.inf
+    side = 1 if room > 2.5 * prey else -1  # labels go between prey and hunter where the wall is near
     for theta in protocol.thetas:
         seen = Polar(distance, theta, 0.0)
         body(axes, seen.right, seen.forward, 0, prey, PREY)
-        outward = (np.sin(theta), np.cos(theta))
+        outward = (side * np.sin(theta), side * np.cos(theta))
         beyond = tuple(part + step * prey / 2 for part, step in zip((seen.right, seen.forward), outward, strict=True))
         axes.annotate(degrees(theta), beyond, (13 * outward[0], 10 * outward[1]), textcoords="offset points",
                       ha="center", va="center", color=PREY)  # fmt: skip
     body(axes, 0, 0, 0, hunter, HUNTER)
     axes.annotate("hunter", (0, -hunter / 2), (0, -3), textcoords="offset points", ha="center", va="top", color=HUNTER)
+    outline: list[tuple[float, float]] = []
     if place.walled:
-        # The arena's x axis is the hunter's heading, which is up here.
-        corner, size = (-place.height * 500, -place.width * 500), (place.height * 1000, place.width * 1000)
-        axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=INK, linewidth=2))
+        x, y = 0.5 * place.width, 0.5 * place.height
+        corners = [protocol.hunter_pose.relative(Pose(*at, 0.0)) for at in ((x, y), (x, -y), (-x, -y), (-x, y))]
+        outline = [(1000 * corner.right, 1000 * corner.forward) for corner in corners]
+        axes.add_patch(Polygon(outline, fill=False, edgecolor=INK, linewidth=2))
     frame_axes(axes)
-    reach = distance * 1.35
-    walls = max(place.width, place.height) * 520 if place.walled else reach
-    axes.set_xlim(-max(walls, reach), max(walls, reach))
-    axes.set_ylim(-max(walls, reach), max(walls, reach))
+    reach = max([1.35 * distance, *(1.04 * abs(part) for corner in outline for part in corner)])
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
     axes.set_aspect("equal", adjustable="box")
     axes.set_title(f"{arena}: prey at θ")
 
@@ -90,8 +97,10 @@ def draw_success(axes: Axes, results: pd.DataFrame, settings: ExperimentSettings
     axes.errorbar(x, shares, yerr=np.clip(spread, 0, None), fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.5)
     axes.axhline(total["success"] * 100, color=INK, linewidth=1, label=_all(total))
     if total["paper_success"] is not None:
-        label = f"published: {100 * total['paper_success']:.1f} %"
-        axes.axhline(total["paper_success"] * 100, color=PREY, linewidth=1.2, linestyle=(0, (4, 2)), label=label)
+        line: dict[str, Any] = {"color": PREY, "linewidth": 1.2, "linestyle": (0, (4, 2))}
+        said = next(row for row in compare(chosen, settings) if row["theta"] is None)
+        axes.axhline(total["paper_success"] * 100, label=_paper(said), **line)
+    _draw_published(axes, bearings)
     axes.set_xticks(x, [degrees(row["theta"]) for row in bearings])
     axes.set_ylim(0, 105)
     axes.set_yticks(range(0, 101, 20))
@@ -107,6 +116,24 @@ def _named(bearings: list[dict[str, float]]) -> str:
     """The bearings as the paper and ``--theta`` name them."""
     names = [f"{row['theta']:g}" for row in bearings]
     return f"θ = {', '.join(names) if len(names) <= 8 else f'{names[0]} to {names[-1]}'}"
+
+
+def _draw_published(axes: Axes, bearings: list[dict[str, Any]]) -> None:
+    """Mark what was published of each bearing, where it was."""
+    known = [(x, 100 * row["paper_success"]) for x, row in enumerate(bearings) if row["paper_success"] is not None]
+    if known:
+        axes.plot(*zip(*known, strict=True), "D", color=PREY, markersize=5, markeredgecolor="white", clip_on=False,
+                  zorder=5, label="published, by bearing")  # fmt: skip
+
+
+def _paper(said: dict[str, Any]) -> str:
+    """The published total in words, its counts and the test of the difference where they are known."""
+    share = f"{100 * said['paper_success']:.1f} %"
+    if said["paper_caught"] is None:
+        return f"published: {share}"
+    time = "" if said["paper_mean_time_s"] is None else f", mean {said['paper_mean_time_s']:.1f} s"
+    test = f", p {p_text(said['p_success'])}"
+    return f"published: {said['paper_caught']}/{said['paper_runs']} = {share}{test}{time}"
 
 
 def _all(total: dict[str, float]) -> str:

@@ -16,12 +16,14 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import DataError
 from bayeshunt.core.units import theta
 from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import as_evaluated, summarise
 from bayeshunt.experiments.store.export import NOT_AB_INITIO, another_model
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
+from bayeshunt.views import reported
 from bayeshunt.views.pages.commands import SETTINGS_FILE, evaluate_command, model_option, preset_of, to_toml
 from bayeshunt.views.pages.page import embed, render
 from bayeshunt.views.pages.report_charts import styles, success_charts, time_charts
@@ -74,7 +76,7 @@ def report_facts(
     settings, seed = _origin(results)
     shown = as_evaluated(results, settings)
     learned = model if model is not None else learn_model(settings, seed)
-    rows = summarise(results, settings)
+    rows, compared = summarise(results, settings), compare(results, settings)
     pairs = list(dict.fromkeys(zip(results["planner"], results["arena"], strict=True)))
     planners, arenas = (list(dict.fromkeys(part)) for part in zip(*pairs, strict=True))
     shelves = []
@@ -95,6 +97,8 @@ def report_facts(
         "marked": [name for name in planners if not is_ab_initio(name, settings.planner.get(name, {}))],
         "mark": NOT_AB_INITIO,
         "published": list(shown.published),
+        "reported": reported.sentences(compared), "tests": reported.TESTS, "tested": reported.p_values(compared),
+        "by_theta": any(row["paper_success"] is not None for row in rows if row["theta"] is not None),
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],

@@ -68,7 +68,9 @@ def success_charts(rows: list[dict[str, Any]], looks: dict[str, dict[str, Any]])
             {**looks[name], "points": _whiskers([r for r in here if r["planner"] == name], x, y, _dodge(i, len(names)))}
             for i, name in enumerate(names)
         ]
-        for series in chart["series"]:
+        for place, (name, series) in enumerate(zip(names, chart["series"], strict=True)):
+            mine = [r for r in here if r["planner"] == name]
+            series["published"] = _published(mine, x, y, _dodge(place, len(names)))
             series["line"] = " ".join(f"{p['x']},{p['y']}" for p in series["points"])
         charts.append(chart)
     return charts
@@ -85,7 +87,7 @@ def time_charts(
         chart = _frame(f"Share caught by time, {arena} arena", x, y, ticks, _percent_ticks())
         chart |= {"arena": str(arena), "x_label": "time since the start [s]", "y_label": "caught by then"}
         chart["series"] = [
-            {**looks[str(name)], "points": [], "line": _staircase(some, limit, x, y)}
+            {**looks[str(name)], "points": [], "published": [], "line": _staircase(some, limit, x, y)}
             for name, some in hunts.groupby("planner", sort=False)
         ]
         charts.append(chart)
@@ -127,6 +129,19 @@ def _whiskers(rows: list[dict[str, Any]], x: Scale, y: Scale, aside: float) -> l
         for row in rows
         if row["theta"] is not None
     ]  # fmt: skip
+
+
+def _published(rows: list[dict[str, Any]], x: Scale, y: Scale, aside: float) -> list[dict[str, Any]]:
+    """Where the published share of each bearing lies, for those that there are."""
+    return [
+        {
+            "x": round(x(row["theta"]) + aside, 1),
+            "y": y(row["paper_success"]),
+            "text": f"{row['planner']}, theta {row['theta']:g}, published: {row['paper_success']:.1%}",
+        }
+        for row in rows
+        if row["theta"] is not None and row["paper_success"] is not None
+    ]
 
 
 def _staircase(hunts: pd.DataFrame, limit: float, x: Scale, y: Scale) -> str:

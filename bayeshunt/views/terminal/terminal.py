@@ -20,6 +20,7 @@ from rich.progress import (
 from rich.text import Text
 
 from bayeshunt.core.units import degrees, length, objective
+from bayeshunt.views import reported
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
@@ -54,10 +55,13 @@ def remark(line: str) -> None:
 
 
 def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
-    """Print the table of an evaluation: the totals, the paper's figures beside ours."""
-    # per bearing the paper printed nothing that could stand beside ours
-    printed = not per_theta and any(row["paper_success"] is not None for row in facts["rows"])
-    beside = ("paper %", "diff") if printed else ()
+    """Print the table of an evaluation: the totals, the paper's figures beside ours, p where its counts are known."""
+    chosen = [row for row in facts["rows"] if per_theta or row["theta"] is None]
+    compared = facts.get("reported", [])
+    tested = reported.p_values(compared)
+    # without counts the paper's shares are of all bearings: nothing that could stand beside one
+    printed = any(row["paper_success"] is not None for row in chosen) and (tested or not per_theta)
+    beside = ("paper %", "p" if tested else "diff") if printed else ()
     marked = facts.get("not_ab_initio", ())
     places = [folding("planner"), word("arena"), *([word("theta")] if per_theta else [])]
     table = TextTable(
@@ -65,21 +69,25 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
         title=f"{facts['experiment']}, seed {facts['seed']}",
     )  # fmt: skip
     previous = None
-    for row in facts["rows"]:
+    for row in chosen:
         total = row["theta"] is None
-        if not total and not per_theta:
-            continue
         place = (row["planner"], row["arena"]) if per_theta else row["arena"]
         if previous is not None and place != previous:
             table.section()
         previous = place
         cells = _cells(row)
+        if tested:
+            cells[-1] = tested.get((row["planner"], row["arena"], row["theta"]), "")
         cells[0] += " *" if row["planner"] in marked else ""
         shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
         table.row(*shown, style="bold" if total and per_theta else None)
     table.print(out)
+    for line in reported.sentences(compared):
+        out.print(line)
     if facts["note"]:
         out.print(Text(facts["note"], style="italic"))
+    if tested:
+        out.print(reported.TESTS, style="dim")
     if marked:
         out.print("* Not ab initio: given more than it learns within the run (a bound, or earlier runs).", style="dim")
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
