@@ -234,6 +234,8 @@ class Shown:
 
     name: str
     info: ClassVar[PlannerInfo] = PlannerInfo()
+    #: The class of its settings, made by :func:`~bayeshunt.planners.settings.planner_settings`; None: it has none.
+    Settings: ClassVar[type | None] = None
 
     @property
     def ab_initio(self) -> bool:

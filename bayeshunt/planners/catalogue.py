@@ -1,22 +1,23 @@
-"""What every planner is, knows, needs and can be set to: read from its docstrings and signature, kept nowhere else.
+"""What every planner is, knows, needs and can be set to: read from its class and settings, kept nowhere else.
 
-A docstring says of a setting ``name: meaning, range.`` at the start of a line or a sentence (several names
-may share one meaning: ``one, two: meaning``), and of the literature ``Reference: ...`` or ``(paper, ...)``.
+A docstring says of the literature ``Reference: ...`` or ``(paper, ...)``. That of a planner of a user's own, whose
+settings are keyword arguments, says of each ``name: meaning, range.`` at the start of a line or a sentence (several
+names may share one meaning: ``one, two: meaning``).
 """
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
 import os
 import re
 import types
 import typing
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from bayeshunt.planners.info import FUTURE
 from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped, made_by
+from bayeshunt.planners.settings import settings_fields
 
 #: Default of a room that a planner learns by babbling in its arena.
 BABBLED = "babbled"
@@ -27,6 +28,9 @@ _NUMBER = r"-?\d+(?:\.\d+)?"
 _RANGE = re.compile(
     rf"[,:]? ?((?:in [\[(]{_NUMBER}, {_NUMBER}[\])])|(?:[<>]=? {_NUMBER})|(?:{_NUMBER} <=? \w+(?: <=? \w+)*))"
 )
+
+#: Sentences that a page has in another place, or that are for programmers.
+_SAID_ELSEWHERE = re.compile(r"(?:^|(?<=\.)\s)(?:Reference: .*|``rng`` [^.]*\.)", re.DOTALL)
 
 
 class Setting(NamedTuple):
@@ -66,19 +70,16 @@ class PlannerFacts(NamedTuple):
 
 def describe_planner(name: str) -> PlannerFacts:
     """Return what is known of a registered planner; InputError for another name."""
-    factory, accepted, info, _ = find_planner(name)
-    kind, group = _made(factory)
-    fields = {key: value for key, value in _fields(factory, group) if accepted is None or key in accepted}
-    texts = [text for place in (group, kind, factory) for text in _docstrings(place)]
-    meanings = _meanings(texts, tuple(fields))
-    settings = tuple(_setting(key, *fields[key], meanings.get(key, [""])) for key in fields)
+    entry = find_planner(name)
+    kind, info = made_by(entry.factory), entry.info
+    settings = _typed(entry.typed) if entry.typed is not None else _signed(entry.factory, kind, entry.settings)
     if info.prepare is not None:
         settings = tuple(s._replace(default=BABBLED) if s.name == info.prepare else s for s in settings)
     own = inspect.cleandoc(kind.__doc__ or "")
     return PlannerFacts(
         name=name,
         summary=summarise(kind),
-        details=_details(own, tuple(fields)),
+        details=_details(own, tuple(s.name for s in settings)),
         reference=_reference(own),
         ab_initio=is_ab_initio(name),
         shipped=is_shipped(name),
@@ -88,23 +89,29 @@ def describe_planner(name: str) -> PlannerFacts:
     )
 
 
+def _typed(kind: type) -> tuple[Setting, ...]:
+    """Return the settings that a class of settings declares."""
+    return tuple(_setting(f.name, f.hint, f.default, f.meaning, f.range) for f in settings_fields(kind))
+
+
+def _signed(factory: Factory, kind: Any, accepted: tuple[str, ...] | None) -> tuple[Setting, ...]:
+    """Return the settings that somebody's own factory takes by keyword, with what its docstrings say of them."""
+    fields = {key: value for key, value in _fields(factory) if accepted is None or key in accepted}
+    meanings = _meanings([text for place in (kind, factory) for text in _docstrings(place)], tuple(fields))
+    settings = []
+    for name, (hint, default) in fields.items():
+        said = meanings.get(name, [""])
+        limits = next(filter(None, map(_RANGE.search, said)), None)
+        words = re.findall(r'"([^"]+)"', said[0]) if _kind(hint) == "text" else []
+        range_ = limits[1] if limits else " | ".join(words)
+        settings.append(_setting(name, hint, default, _RANGE.sub("", said[0], count=1), range_))
+    return tuple(settings)
+
+
 def summarise(kind: Any) -> str:
     """Return in one line what a planner's class is; "" if it does not say."""
     first = inspect.cleandoc(kind.__doc__ or "").split("\n\n")[0]
     return re.sub(r" \(paper, .*?\)", "", _plain(" ".join(first.split()))).rstrip(".")
-
-
-def _made(factory: Factory) -> tuple[Any, type | None]:
-    """Return the class that a factory makes, and the dataclass of its settings if it takes one."""
-    kind = made_by(factory)
-    group = None
-    for hint in _hints(kind.__init__).values() if isinstance(kind, type) else ():  # type: ignore[misc]
-        group = next((h for h in (hint, *typing.get_args(hint)) if _is_settings(h)), group)
-    return kind, group
-
-
-def _is_settings(hint: Any) -> bool:
-    return isinstance(hint, type) and dataclasses.is_dataclass(hint) and hint.__name__.endswith("Settings")
 
 
 def _hints(thing: Any) -> dict[str, Any]:
@@ -114,38 +121,28 @@ def _hints(thing: Any) -> dict[str, Any]:
         return {}
 
 
-def _fields(factory: Factory, group: type | None) -> Iterator[tuple[str, tuple[Any, Any]]]:
+def _fields(factory: Factory) -> Iterator[tuple[str, tuple[Any, Any]]]:
     """Yield (name, (annotation, default)) of every setting."""
     hints = _hints(factory.__init__ if isinstance(factory, type) else factory)  # type: ignore[misc]
     for parameter in list(inspect.signature(factory).parameters.values())[1:]:
         if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
             yield parameter.name, (hints.get(parameter.name), parameter.default)
-        elif parameter.kind is parameter.VAR_KEYWORD and group is not None:
-            annotations = _hints(group)
-            for field in dataclasses.fields(group):
-                yield field.name, (annotations.get(field.name), field.default)
 
 
-def _setting(name: str, hint: Any, default: Any, meanings: list[str]) -> Setting:
-    """Return a setting; what is said of it first counts, and the first range that is said."""
-    kind, meaning = _kind(hint), meanings[0]
-    if default in (inspect.Parameter.empty, dataclasses.MISSING) or (kind == "file" and default is None):
+def _setting(name: str, hint: Any, default: Any, meaning: str, range: str) -> Setting:
+    """Return a setting with its default in words where it is no plain value."""
+    kind = _kind(hint)
+    if default is inspect.Parameter.empty or (kind == "file" and default is None):
         default = "required"
     elif not isinstance(default, (bool, int, float, str, types.NoneType)):
         default = getattr(default, "__name__", str(default))
-    limits = next(filter(None, map(_RANGE.search, meanings)), None)
-    words = re.findall(r'"([^"]+)"', meaning) if kind == "text" else []
-    return Setting(
-        name=name,
-        kind=kind,
-        range=limits[1] if limits else " | ".join(words),
-        default=default,
-        meaning=_RANGE.sub("", meaning, count=1),
-    )
+    return Setting(name, kind, range, default, meaning)
 
 
 def _kind(hint: Any) -> str:
     """Return what a settings file may give for an annotation; "any" without one."""
+    if typing.get_origin(hint) is Literal:
+        return "text"
     options = typing.get_args(hint) or (hint,)
     if any(os.PathLike in (h, typing.get_origin(h)) for h in options):
         return "file"
@@ -180,9 +177,9 @@ def _meanings(texts: list[str], names: tuple[str, ...]) -> dict[str, list[str]]:
 
 
 def _details(text: str, names: tuple[str, ...]) -> str:
-    """Return the paragraphs after the first that do not list settings."""
-    paragraphs = re.split(r"\n\s*\n", text)[1:]
-    return "\n\n".join(_plain(p) for p in paragraphs if not _named(names).match(" ".join(p.split())))
+    """Return the paragraphs after the first that do not list settings, name literature or speak of ``rng``."""
+    kept = (_SAID_ELSEWHERE.sub("", paragraph).rstrip() for paragraph in re.split(r"\n\s*\n", text)[1:])
+    return "\n\n".join(_plain(p) for p in kept if p and not _named(names).match(" ".join(p.split())))
 
 
 def _reference(text: str) -> str:

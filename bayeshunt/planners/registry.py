@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -18,16 +17,16 @@ from bayeshunt.planners.bounds.omniscient import Omniscient
 from bayeshunt.planners.bounds.reference import Reference
 from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.info import PlannerInfo, read_marks
-from bayeshunt.planners.interception.belief import BeliefPlanner, BeliefSettings, belief
-from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, intercept
-from bayeshunt.planners.interception.intercept_room import InterceptRoomPlanner, RoomGuessSettings, intercept_room
-from bayeshunt.planners.interception.intercept_walls import SETTINGS as ROOM_SETTINGS
-from bayeshunt.planners.interception.intercept_walls import intercept_walls
-from bayeshunt.planners.paper.planning import PlanningPlanner, PlanningSettings, planning
+from bayeshunt.planners.interception.belief import BeliefPlanner
+from bayeshunt.planners.interception.intercept import InterceptPlanner
+from bayeshunt.planners.interception.intercept_room import InterceptRoomPlanner
+from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner
+from bayeshunt.planners.paper.planning import PlanningPlanner
 from bayeshunt.planners.paper.prediction import PredictionPlanner
 from bayeshunt.planners.paper.reactive import ReactivePlanner
 from bayeshunt.planners.sequences.frugal import Frugal
 from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
+from bayeshunt.planners.settings import settings_fields
 
 #: Makes a planner from a forward model and settings given by name.
 Factory = Callable[..., Planner]
@@ -37,12 +36,14 @@ class Registered(NamedTuple):
     """A registered planner: what makes it, the names of its settings, what sets it apart.
 
     settings: None if the factory checks its own. said: whether ``info`` was given, not read from its marks.
+    typed: the class of its settings, which checks their values; None if only the factory does.
     """
 
     factory: Factory
     settings: tuple[str, ...] | None
     info: PlannerInfo
     said: bool
+    typed: type | None
 
 
 _REGISTRY: dict[str, Registered] = {}
@@ -51,11 +52,16 @@ _MADE: dict[type, PlannerInfo] = {}
 
 
 def register_planner(
-    name: str, factory: Factory, *, settings: Iterable[str] | None = None, info: PlannerInfo | None = None
+    name: str,
+    factory: Factory,
+    *,
+    settings: Iterable[str] | type | None = None,
+    info: PlannerInfo | None = None,
 ) -> None:
     """Make ``factory(model, **settings)`` known as ``name`` in this process.
 
-    settings: the names it accepts; by default the factory's named parameters after the first.
+    settings: the names it accepts, or a class made by :func:`~bayeshunt.planners.settings.planner_settings`, whose
+        fields they are; by default the factory's named parameters after the first.
     info: what sets it apart; by default the marks of the factory, and of the class that it returns, say it.
     Raises InputError if the name is empty or taken, or an argument is of another kind.
     """
@@ -67,9 +73,12 @@ def register_planner(
         raise InputError(f"planner {name!r}: expected a function that makes it, got {factory!r}")
     if info is not None:
         check_kind(info, f"planner {name!r}: info", PlannerInfo, "a PlannerInfo")
-    accepted = _parameters(factory) if settings is None else tuple(settings)
+    typed = settings if isinstance(settings, type) else None
+    if typed is not None:
+        settings = [field.name for field in settings_fields(typed)]
+    accepted = _parameters(factory) if settings is None else tuple(settings)  # type: ignore[arg-type]
     known = read_marks(factory, read_marks(made_by(factory))) if info is None else info
-    _REGISTRY[name] = Registered(factory, accepted, known, info is not None)
+    _REGISTRY[name] = Registered(factory, accepted, known, info is not None, typed)
 
 
 def made_by(factory: Factory) -> Any:
@@ -168,6 +177,8 @@ def check_sections(sections: Mapping[str, Mapping[str, Any]]) -> None:
         if name not in _REGISTRY:
             raise InputError(f"unknown planner {name!r}{did_you_mean(name, planner_names())}")
         _check_names(name, settings)
+        if (typed := _REGISTRY[name].typed) is not None:
+            typed(**settings)
 
 
 def check_hunts(name: str) -> None:
@@ -203,34 +214,14 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
     return near or (f"; it has {', '.join(accepted)}" if accepted else "; it has none")
 
 
-register_planner("reactive", ReactivePlanner)
-register_planner("prediction", PredictionPlanner)
-register_planner(
-    "planning", planning, settings=[f.name for f in dataclasses.fields(PlanningSettings)], info=PlanningPlanner.info
-)
-register_planner("pure_pursuit", PurePursuit)
-register_planner("proportional_navigation", ProportionalNavigation)
-register_planner("constant_velocity", ConstantVelocity)
-register_planner("omniscient", Omniscient)
-register_planner("kinematic_limit", KinematicLimit)
-register_planner("frugal", Frugal)
-register_planner("reference", Reference)
-register_planner("memory", Memory)
-register_planner("memory_place", PlaceMemory)
-register_planner("memory_previous", OrderMemory)
-register_planner(
-    "intercept", intercept, settings=[f.name for f in dataclasses.fields(InterceptSettings)], info=InterceptPlanner.info
-)
-register_planner(
-    "intercept_room",
-    intercept_room,
-    settings=[f.name for f in dataclasses.fields(RoomGuessSettings)],
-    info=InterceptRoomPlanner.info,
-)
-register_planner("intercept_walls", intercept_walls, settings=ROOM_SETTINGS)
-register_planner(
-    "belief", belief, settings=[f.name for f in dataclasses.fields(BeliefSettings)], info=BeliefPlanner.info
-)
+#: The planners that ship, in the order in which they are listed.
+_KINDS: tuple[type[Any], ...] = (
+    ReactivePlanner, PredictionPlanner, PlanningPlanner, PurePursuit, ProportionalNavigation, ConstantVelocity,
+    Omniscient, KinematicLimit, Frugal, Reference, Memory, PlaceMemory, OrderMemory, InterceptPlanner,
+    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner,
+)  # fmt: skip
+for _kind in _KINDS:
+    register_planner(_kind.name, _kind, settings=_kind.Settings or (), info=_kind.info)
 _SHIPPED = frozenset(_REGISTRY)
 
 

@@ -43,7 +43,6 @@ def test_best_first_expands_the_least_value():
     assert names(result, result.expanded) == "rba"
     assert "".join(result.handles) == "rabefcd"
     assert result.handles[result.best] == "c"
-    assert result.outcome == "exhausted"
 
 
 def test_breadth_first_expands_in_order_of_generation():
@@ -55,13 +54,13 @@ def test_breadth_first_expands_in_order_of_generation():
 
 def test_the_budget_ends_the_search():
     result = run("best-first", expansions=2)
-    assert (names(result, result.expanded), result.outcome) == ("rb", "budget")
+    assert names(result, result.expanded) == "rb"
     assert result.handles[result.best] == "b"
 
 
 def test_the_stop_value_ends_the_search_when_generated():
     result = run("breadth-first", stop=3.0)
-    assert (names(result, result.expanded), result.outcome) == ("r", "reached")
+    assert names(result, result.expanded) == "r"
     assert result.handles[result.best] == "b"
 
 

@@ -21,6 +21,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.asking import Timed
 from bayeshunt.planners.registry import planner_info
 from bayeshunt.planners.sequences.frugal import CostWeights
+from bayeshunt.planners.settings import settings_fields
 
 #: The planner that weighs its costs; the others are shown beside it.
 WEIGHED = "frugal"
@@ -95,7 +96,7 @@ def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: st
 
 def _weights(settings: ExperimentSettings) -> CostWeights:
     chosen = settings.planner.get(WEIGHED, {})
-    return CostWeights(**{name: chosen[name] for name in vars(CostWeights()) if name in chosen})
+    return CostWeights(**{f.name: chosen[f.name] for f in settings_fields(CostWeights) if f.name in chosen})
 
 
 def _intervals(hunts: pd.DataFrame) -> dict[str, float]:

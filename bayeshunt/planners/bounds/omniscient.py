@@ -5,11 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation, check_request
 from bayeshunt.planners.info import FUTURE, PlannerInfo, own_foresight
 from bayeshunt.planners.sequences.capture import PreyPaths
-from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
+from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
+from bayeshunt.planners.settings import planner_settings
+
+
+@planner_settings("omniscient")
+class OmniscientSettings(SearchSettings):
+    """Settings of the omniscient hunter: how it searches."""
 
 
 class Omniscient(SequenceHunter):
@@ -21,10 +26,6 @@ class Omniscient(SequenceHunter):
     captures within the horizon, the sequence of least end time + time to go is (see
     :meth:`~bayeshunt.planners.sequences.capture.CapturePaths.times_to_go`).
 
-    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
-    margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
-    count as a catch, > 0; by default what the experiment says.
     ``rng`` is not used.
 
     It is a yardstick and no strict bound: it follows mean paths, so where noise decides a hunter that
@@ -32,18 +33,8 @@ class Omniscient(SequenceHunter):
     """
 
     name = "omniscient"
+    Settings = OmniscientSettings
     info = PlannerInfo(ab_initio=False, needs=(FUTURE,), foresight=own_foresight)
-
-    def __init__(
-        self,
-        model: ForwardModel,
-        *,
-        depth: int = 4,
-        max_transitions: int = 3,
-        margin: float = 0.9,
-        catch_distance: float | None = None,
-    ) -> None:
-        super().__init__(model, depth, max_transitions, margin, catch_distance)
 
     @property
     def foresight(self) -> float:

@@ -22,6 +22,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_step
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
 from bayeshunt.planners.info import PlannerInfo
+from bayeshunt.planners.settings import File, planner_settings, setting
 
 FORMAT = 1
 _MAKER = "bayeshunt reference"
@@ -97,18 +98,31 @@ class ReferenceTable:
         return cls(values, Grid(distances, *values.shape[1:]), Chase(hunter, prey, *motion), gaits, facts)
 
 
+@planner_settings("reference")
+class ReferenceSettings:
+    """Settings of the reference hunter."""
+
+    table: File[ReferenceTable | str | os.PathLike[str] | None] = setting(
+        None,
+        "a ReferenceTable or the path of one (bayeshunt reference --out FILE)",
+    )
+
+
 class Reference(Shown):
     """A yardstick: the gait of least expected time to capture, were the prey to go straight on.
 
-    table: a :class:`ReferenceTable` or the path of one (``bayeshunt reference --out FILE``). It is
-    computed beforehand from babbling and from the prey's true speed and noise, so its row is not
+    Its table is computed beforehand from babbling and from the prey's true speed and noise, so its row is not
     learned within the run. Against a prey that turns at walls it is no bound. ``rng`` is not used.
     """
 
     name = "reference"
     info = PlannerInfo(ab_initio=False, needs=("table",), maker="bayeshunt reference")
 
-    def __init__(self, model: ForwardModel, *, table: ReferenceTable | str | os.PathLike[str] | None = None) -> None:
+    Settings = ReferenceSettings
+
+    def __init__(self, model: ForwardModel, settings: ReferenceSettings | None = None, **given: Any) -> None:
+        self.settings = ReferenceSettings(**given) if settings is None else settings
+        table = self.settings.table
         self.info.check_given(self.name, {"table": table})
         self.table = table if isinstance(table, ReferenceTable) else ReferenceTable.load(table)  # type: ignore[arg-type]
         self.hunter = model.gaits

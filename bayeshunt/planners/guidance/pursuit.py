@@ -6,14 +6,15 @@ All of them see what the other planners see and execute the same gaits; none nee
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, known_step
 from bayeshunt.planners.guidance.steering import Steering, intercept_time, prey_track
+from bayeshunt.planners.settings import Number, planner_settings, setting
 
 
 class PurePursuit(Shown):
@@ -35,6 +36,13 @@ class PurePursuit(Shown):
         return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
 
 
+@planner_settings("proportional_navigation")
+class NavigationSettings:
+    """Settings of proportional navigation."""
+
+    navigation_constant: Number = setting(3.0, "N", gt=0)
+
+
 class ProportionalNavigation(Shown):
     """Turn in proportion to the turning of the line of sight, so that the bearing stays constant.
 
@@ -44,18 +52,14 @@ class ProportionalNavigation(Shown):
     The law assumes a prey ahead that comes closer: while it is more than a right angle off, or before
     its velocity has been seen, the hunter pursues it instead.
 
-    navigation_constant: N, > 0.
     Reference: P. Zarchan, Tactical and Strategic Missile Guidance, chapter 2. ``rng`` is not used.
     """
 
     name = "proportional_navigation"
+    Settings = NavigationSettings
 
-    def __init__(self, model: ForwardModel, *, navigation_constant: float = 3.0) -> None:
-        if not (isinstance(navigation_constant, (int, float)) and 0 < navigation_constant < math.inf):
-            raise InputError(
-                f"proportional_navigation: navigation_constant must be a number > 0, got {navigation_constant!r}"
-            )
-        self.navigation_constant = float(navigation_constant)
+    def __init__(self, model: ForwardModel, settings: NavigationSettings | None = None, **given: Any) -> None:
+        self.settings = NavigationSettings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.steering = Steering(model, self.name)
         self._fast = _fast_gaits(self.steering)
@@ -71,7 +75,7 @@ class ProportionalNavigation(Shown):
         v_ahead = float(track.forward[-1] - track.forward[-2]) / step - steering.top_speed
         v_right = float(track.right[-1] - track.right[-2]) / step
         rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
-        turn = self.navigation_constant * rate * step
+        turn = self.settings.navigation_constant * rate * step
         turn = max(-math.pi, min(math.pi, turn))
         miss = np.abs(np.asarray(wrap(steering.heading - turn)))
         miss = np.where(self._fast, miss, miss + math.pi)
@@ -85,6 +89,14 @@ def _fast_gaits(steering: Steering) -> np.ndarray:
     return np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
 
 
+@planner_settings("constant_velocity")
+class VelocitySettings:
+    """Settings of the Kalman filter."""
+
+    acceleration: Number = setting(0.003, "standard deviation of the prey's white acceleration [m/s2]", gt=0)
+    position: Number = setting(0.002, "standard deviation of an observed position [m]", gt=0)
+
+
 class ConstantVelocity(Shown):
     """Meet a prey that keeps its velocity: interception at the velocity that a Kalman filter estimates.
 
@@ -93,18 +105,14 @@ class ConstantVelocity(Shown):
     straight drive at top speed meets the prey, at the earliest the end of the step. Before
     anything is seen the prey's velocity has mean 0 and standard deviation the hunter's own top speed.
 
-    acceleration: standard deviation of the prey's white acceleration [m/s2], > 0.
-    position: standard deviation of an observed position [m], > 0.
     Reference: R. E. Kalman, A new approach to linear filtering and prediction problems, 1960. ``rng`` is not used.
     """
 
     name = "constant_velocity"
+    Settings = VelocitySettings
 
-    def __init__(self, model: ForwardModel, *, acceleration: float = 0.003, position: float = 0.002) -> None:
-        for name, value in (("acceleration", acceleration), ("position", position)):
-            if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 < value < math.inf):
-                raise InputError(f"constant_velocity: {name} must be a number > 0, got {value!r}")
-        self.acceleration, self.position = float(acceleration), float(position)
+    def __init__(self, model: ForwardModel, settings: VelocitySettings | None = None, **given: Any) -> None:
+        self.settings = VelocitySettings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.steering = Steering(model, self.name)
 
@@ -130,14 +138,15 @@ class ConstantVelocity(Shown):
         seen = np.column_stack([track.forward, track.right])
         move = np.kron([[1.0, step], [0.0, 1.0]], np.eye(2))
         # a velocity that wanders by white acceleration held over one step
-        push = np.kron(np.outer([0.5 * step**2, step], [0.5 * step**2, step]), np.eye(2)) * self.acceleration**2
+        wander = self.settings.acceleration
+        push = np.kron(np.outer([0.5 * step**2, step], [0.5 * step**2, step]), np.eye(2)) * wander**2
         kalman = KalmanFilter(
             transition_matrices=move,
             observation_matrices=np.eye(2, 4),
             transition_covariance=push,
-            observation_covariance=self.position**2 * np.eye(2),
+            observation_covariance=self.settings.position**2 * np.eye(2),
             initial_state_mean=np.array([*seen[0], 0.0, 0.0]),
-            initial_state_covariance=np.diag([self.position**2] * 2 + [speed**2] * 2),
+            initial_state_covariance=np.diag([self.settings.position**2] * 2 + [speed**2] * 2),
         )
         means, _ = kalman.filter(seen)
         ahead, right, v_ahead, v_right = (float(value) for value in means[-1])

@@ -3,42 +3,30 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation, check_request
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.interception.lookahead import PairPaths, gait_paths
 from bayeshunt.planners.search.rollouts import Outcomes
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 
-@dataclass(frozen=True)
+@planner_settings("belief")
 class BeliefSettings(InterceptSettings):
-    """Settings of the belief hunter: those of the interception hunter (``spread`` is not used), and:
+    """Settings of the belief hunter: those of the interception hunter (``spread`` is not used), and its samples."""
 
-    samples: joint samples of hunter and prey, S, >= 2. blocks: independent sets of samples; each
-    decision picks one with its ``rng``, >= 1. bank_seed: seeds the private generator of the samples, >= 0.
-    prey_noise: the prey's spread in direction and speed, in those of the hunter's own fastest straight gait, >= 0.
-    """
-
-    samples: int = 64
-    blocks: int = 4
-    bank_seed: int = 0
-    prey_noise: float = 1.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, least in (("samples", 2), ("blocks", 1), ("bank_seed", 0)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-                raise InputError(f"belief: {name} must be a whole number >= {least}, got {value!r}")
-        if not (isinstance(self.prey_noise, (int, float)) and 0.0 <= self.prey_noise < math.inf):
-            raise InputError(f"belief: prey_noise must be a number >= 0, got {self.prey_noise!r}")
+    samples: Count = setting(64, "joint samples of hunter and prey, S", ge=2)
+    blocks: Count = setting(4, "independent sets of samples; each decision picks one with its rng", ge=1)
+    bank_seed: Count = setting(0, "seeds the private generator of the samples", ge=0)
+    prey_noise: Number = setting(
+        1.0, "the prey's spread in direction and speed, in those of the hunter's own fastest straight gait", ge=0
+    )
 
 
 class BeliefPlanner(InterceptPlanner):
@@ -62,11 +50,12 @@ class BeliefPlanner(InterceptPlanner):
     """
 
     name = "belief"
+    Settings = BeliefSettings
     settings: BeliefSettings
 
-    def __init__(self, model: ForwardModel, settings: BeliefSettings | None = None) -> None:
-        chosen = BeliefSettings() if settings is None else settings
-        super().__init__(model, chosen)
+    def __init__(self, model: ForwardModel, settings: BeliefSettings | None = None, **given: Any) -> None:
+        super().__init__(model, settings, **given)
+        chosen = self.settings
         self.spread = 0.0
         # One draw serves the hunter's two steps; a third column is the prey's own noise.
         outcomes = Outcomes.draw(model, 3, chosen.samples, chosen.blocks, chosen.bank_seed)
@@ -129,6 +118,5 @@ class BeliefPlanner(InterceptPlanner):
         return int(np.where(straight, reach, 0.0).argmax() if straight.any() else reach.argmax())
 
 
-def belief(model: ForwardModel, **settings: Any) -> BeliefPlanner:
-    """Return a belief hunter; ``settings`` are the fields of :class:`BeliefSettings`."""
-    return BeliefPlanner(model, BeliefSettings(**settings))
+#: The planner by the name that it is registered under.
+belief = BeliefPlanner

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,58 +14,39 @@ from bayeshunt.planners.api import Plan, Situation, catch_distance, check_reques
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.pairs import PairPlanner
+from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
 
 
-@dataclass(frozen=True)
+@planner_settings("intercept")
 class InterceptSettings:
-    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on.
+    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on."""
 
-    catch_distance: body lengths between the centres that count as a capture, > 0; by default what the experiment
-        says.
-    spread: body lengths about ``catch_distance`` over which the chance of a capture falls from 1 to 0, > 0.
-    heading_price: what turning towards the prey costs beyond the lookahead, in time-steps per softest
-        full-speed turn, >= 0.
-    prior: before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False).
-    prior_speed: that speed, as a share of the hunter's own top speed, > 0; a prey that can be caught is slower.
-    hazard: chance per time-step that the prey turns, believed beforehand, in [0, 1]; 0: it never turns.
-    hazard_steps: how many observed time-steps that belief is worth, > 0.
-    turn_weight: how many observed turns the hunter's own turns are worth as a guess at the prey's, > 0.
-    turn_threshold: a heading change per time-step [rad] from which a motion is a turn, > 0.
-    turn_steps: time-steps ahead in which a turn of the prey is considered, >= 0.
-    """
-
-    catch_distance: float | None = None
-    spread: float = 0.1
-    heading_price: float = 1.0
-    prior: bool = True
-    prior_speed: float = 0.9
-    hazard: float = 0.1
-    hazard_steps: float = 4.0
-    turn_weight: float = 0.5
-    turn_threshold: float = 0.4
-    turn_steps: int = 4
-
-    def __post_init__(self) -> None:
-        if self.catch_distance is not None:
-            check_number("catch_distance", self.catch_distance, above=0.0)
-        for name in ("spread", "prior_speed", "hazard_steps", "turn_weight", "turn_threshold"):
-            check_number(name, getattr(self, name), above=0.0)
-        check_number("heading_price", self.heading_price)
-        check_number("hazard", self.hazard, most=1.0)
-        if not isinstance(self.prior, bool):
-            raise InputError(f"intercept: prior must be true or false, got {self.prior!r}")
-        steps = self.turn_steps
-        if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
-            raise InputError(f"intercept: turn_steps must be a whole number >= 0, got {steps!r}")
-
-
-def check_number(name: str, value: Any, *, above: float | None = None, most: float = math.inf) -> None:
-    """Raise InputError unless a setting is a finite number above ``above`` (or >= 0) and at most ``most``."""
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and math.isfinite(value)
-    if not number or value > most or (value <= above if above is not None else value < 0):
-        bound = f"> {above:g}" if above is not None else ">= 0"
-        limit = f" and <= {most:g}" if most < math.inf else ""
-        raise InputError(f"intercept: {name} must be a number {bound}{limit}, got {value!r}")
+    catch_distance: Number | None = setting(
+        None, "body lengths between the centres that count as a capture; by default what the experiment says", gt=0
+    )
+    spread: Number = setting(
+        0.1, "body lengths about catch_distance over which the chance of a capture falls from 1 to 0", gt=0
+    )
+    heading_price: Number = setting(
+        1.0,
+        "what turning towards the prey costs beyond the lookahead, in time-steps per softest full-speed turn",
+        ge=0,
+    )
+    prior: Switch = setting(
+        True, 'before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False)'
+    )
+    prior_speed: Number = setting(
+        0.9, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
+    )
+    hazard: Number = setting(
+        0.1, "chance per time-step that the prey turns, believed beforehand; 0: it never turns", ge=0, le=1
+    )
+    hazard_steps: Number = setting(4.0, "how many observed time-steps that belief is worth", gt=0)
+    turn_weight: Number = setting(
+        0.5, "how many observed turns the hunter's own turns are worth as a guess at the prey's", gt=0
+    )
+    turn_threshold: Number = setting(0.4, "a heading change per time-step [rad] from which a motion is a turn", gt=0)
+    turn_steps: Count = setting(4, "time-steps ahead in which a turn of the prey is considered", ge=0)
 
 
 class InterceptPlanner(PairPlanner):
@@ -88,9 +67,10 @@ class InterceptPlanner(PairPlanner):
     """
 
     name = "intercept"
+    Settings: ClassVar[type[InterceptSettings]] = InterceptSettings
 
-    def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None) -> None:
-        self.settings = chosen = InterceptSettings() if settings is None else settings
+    def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None, **given: Any) -> None:
+        self.settings = chosen = self.Settings(**given) if settings is None else settings
         own = OwnMotion.of(model, chosen.turn_threshold)
         if not own.top_speed > 0:
             raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
@@ -128,6 +108,5 @@ class InterceptPlanner(PairPlanner):
         return self.choose(situation, self.pairs_from(situation), self.futures(situation))
 
 
-def intercept(model: ForwardModel, **settings: Any) -> InterceptPlanner:
-    """Return an interception hunter; ``settings`` are the fields of :class:`InterceptSettings`."""
-    return InterceptPlanner(model, InterceptSettings(**settings))
+#: The planner by the name that it is registered under.
+intercept = InterceptPlanner

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,8 @@ from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.planners.api import Situation, known_length
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
-from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
+from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 _NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 #: Rooms less probable than this are left out of a decision.
@@ -26,37 +26,34 @@ _NEGLIGIBLE = 0.01
 _LEGS = 4
 
 
-@dataclass(frozen=True)
+_REACH = (
+    "distance from the start to where the prey turns away from a wall, of the smallest and the largest "
+    "room, body lengths"
+)
+
+
+@planner_settings("intercept_room")
 class RoomGuessSettings(InterceptSettings):
-    """Settings of the interception hunter, and the belief about rooms before anything is seen.
+    """Settings of the interception hunter, and the belief about rooms before anything is seen."""
 
-    room_chance: probability that there is a room at all, in [0, 1).
-    nearest, farthest: distance from the start to where the prey turns away from a wall, of the smallest
-        and the largest room, body lengths, 0 < nearest < farthest. sizes: rooms between them, log-spaced, >= 2.
-    slack: body lengths over which a turn before or after the wall is believed, > 0.
-    error: probability that a prey turns away from the walls, or meets one without turning, in (0, 0.5).
-    rebound: angle between a wall and the prey that has turned away from it, radians in [0, 1.5].
-    """
-
-    hazard: float = 0.02
-    room_chance: float = 0.3
-    nearest: float = 6.2
-    farthest: float = 24.2
-    sizes: int = 12
-    slack: float = 0.6
-    error: float = 0.03
-    rebound: float = 0.4
+    hazard: Number = setting(
+        0.02, "chance per time-step that the prey turns, believed beforehand; 0: it never turns", ge=0, le=1
+    )
+    room_chance: Number = setting(0.3, "probability that there is a room at all", ge=0, lt=1)
+    nearest: Number = setting(6.2, _REACH, range="0 < nearest < farthest", gt=0)
+    farthest: Number = setting(24.2, _REACH, range="0 < nearest < farthest", gt=0)
+    sizes: Count = setting(12, "rooms between them, log-spaced", ge=2)
+    slack: Number = setting(0.6, "body lengths over which a turn before or after the wall is believed", gt=0)
+    error: Number = setting(
+        0.03, "probability that a prey turns away from the walls, or meets one without turning", gt=0, lt=0.5
+    )
+    rebound: Number = setting(
+        0.4, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
+    )
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in ("nearest", "farthest", "slack", "error"):
-            check_number(name, getattr(self, name), above=0.0)
-        check_number("room_chance", self.room_chance, most=0.999)
-        check_number("rebound", self.rebound, most=1.5)
-        if not self.nearest < self.farthest or self.error >= 0.5:
-            raise InputError("intercept_room: expected nearest < farthest and error < 0.5")
-        if isinstance(self.sizes, bool) or not isinstance(self.sizes, (int, np.integer)) or self.sizes < 2:
-            raise InputError(f"intercept_room: sizes must be a whole number >= 2, got {self.sizes!r}")
+        if not self.nearest < self.farthest:
+            raise InputError(f"intercept_room: expected nearest < farthest, got {self.nearest:g} and {self.farthest:g}")
 
 
 class InterceptRoomPlanner(InterceptPlanner):
@@ -74,11 +71,12 @@ class InterceptRoomPlanner(InterceptPlanner):
     """
 
     name = "intercept_room"
+    Settings = RoomGuessSettings
     settings: RoomGuessSettings
 
-    def __init__(self, model: ForwardModel, settings: RoomGuessSettings | None = None) -> None:
-        chosen = RoomGuessSettings() if settings is None else settings
-        super().__init__(model, chosen)
+    def __init__(self, model: ForwardModel, settings: RoomGuessSettings | None = None, **given: Any) -> None:
+        super().__init__(model, settings, **given)
+        chosen = self.settings
         body = known_length(model.gaits.body_length, self.name)
         self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
         self.slack = chosen.slack * body
@@ -149,6 +147,5 @@ def _earlier_poses(situation: Situation) -> Sequence[Pose]:
     return poses[::-1]
 
 
-def intercept_room(model: ForwardModel, **settings: Any) -> InterceptRoomPlanner:
-    """Return a hunter that guesses its room; ``settings`` are the fields of :class:`RoomGuessSettings`."""
-    return InterceptRoomPlanner(model, RoomGuessSettings(**settings))
+#: The planner by the name that it is registered under.
+intercept_room = InterceptRoomPlanner

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
 from typing import Any
 
 from bayeshunt.core.errors import InputError
@@ -13,26 +12,31 @@ from bayeshunt.planners.api import Situation, known_length
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings, check_number
+from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
+from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
 
-@dataclass(frozen=True)
+@planner_settings("intercept_walls")
 class RoomSettings(InterceptSettings):
-    """Settings of the interception hunter, and of what a prey does at a wall.
+    """Settings of the interception hunter, the room it is in, and what a prey does at a wall."""
 
-    hazard: as for the interception hunter; a known arena leaves little reason for a turn where there is no wall.
-    clearance: body lengths that the prey's centre keeps from where the hunter's own centre is stopped, >= 0.
-    rebound: angle between a wall and the prey that has turned away from it, radians in [0, 1.5].
-    """
-
-    hazard: float = 0.02
-    clearance: float = 0.4
-    rebound: float = 0.5
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_number("clearance", self.clearance)
-        check_number("rebound", self.rebound, most=1.5)
+    hazard: Number = setting(
+        0.02,
+        "as for the interception hunter; a known arena leaves little reason for a turn where there is no wall",
+        ge=0,
+        le=1,
+    )
+    clearance: Number = setting(
+        0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped", ge=0
+    )
+    rebound: Number = setting(
+        0.5, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
+    )
+    room: File[RoomModel | str | os.PathLike[str] | None] = setting(
+        None,
+        "a RoomModel or the path of one (bayeshunt explore --out FILE) to use instead; learned in another run, "
+        "so that its row is not ab initio",
+    )
 
 
 class InterceptWallsPlanner(InterceptPlanner):
@@ -43,20 +47,21 @@ class InterceptWallsPlanner(InterceptPlanner):
     up (:class:`~bayeshunt.models.arena.rooms.RoomModel`), nothing of any prey. In an arena without walls it
     finds none, and then it is the interception hunter with little fear of turns. It needs to know where
     it is: ``situation.pose``.
-
-    room: a RoomModel or the path of one (``bayeshunt explore --out FILE``) to use instead; learned in
-    another run, so that its row is not ab initio.
     """
 
     name = "intercept_walls"
     info = PlannerInfo(needs=(ROOM,), prepare=ROOM)
+    Settings = RoomSettings
     settings: RoomSettings
 
-    def __init__(
-        self, model: ForwardModel, settings: RoomSettings | None = None, *, room: RoomModel | str | os.PathLike[str]
-    ) -> None:
-        chosen = RoomSettings() if settings is None else settings
-        super().__init__(model, chosen)
+    def __init__(self, model: ForwardModel, settings: RoomSettings | None = None, **given: Any) -> None:
+        super().__init__(model, settings, **given)
+        chosen, room = self.settings, self.settings.room
+        if room is None:
+            raise InputError(
+                "intercept_walls: needs a room, of the arena it hunts in: bayeshunt.learn_room(experiment, arena=...), "
+                'or a file made by "bayeshunt explore --out FILE"'
+            )
         self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
         keep = chosen.clearance * known_length(model.gaits.body_length, self.name)
         self.walls = Walls(
@@ -77,20 +82,5 @@ class InterceptWallsPlanner(InterceptPlanner):
         return super().futures(situation) if found is None else found
 
 
-def intercept_walls(
-    model: ForwardModel, *, room: RoomModel | str | os.PathLike[str] | None = None, **settings: Any
-) -> InterceptWallsPlanner:
-    """Return an interception hunter for the arena that ``room`` was learned in.
-
-    settings: fields of :class:`RoomSettings`. Raises InputError without a room.
-    """
-    if room is None:
-        raise InputError(
-            "intercept_walls: needs a room, of the arena it hunts in: bayeshunt.learn_room(experiment, arena=...), "
-            'or a file made by "bayeshunt explore --out FILE"'
-        )
-    return InterceptWallsPlanner(model, RoomSettings(**settings), room=room)
-
-
-#: Names of the settings that :func:`intercept_walls` takes.
-SETTINGS = ("room", *(field.name for field in fields(RoomSettings)))
+#: The planner by the name that it is registered under.
+intercept_walls = InterceptWallsPlanner

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, predict_prey
@@ -25,9 +22,8 @@ from bayeshunt.planners.search.rollouts import (
     count_nodes,
     mean_distance,
 )
-from bayeshunt.planners.search.search import ORDERS, Search, SearchTree
-
-ROLLOUTS = ("auto", "compiled", "lazy")
+from bayeshunt.planners.search.search import Search, SearchTree
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 # Above this many gait sequences, valuing all of them costs more than composing those expanded.
 _COMPILED_NODES = 20_000
@@ -35,48 +31,26 @@ _COMPILED_NODES = 20_000
 _COMPILED_POSES = 4_000_000
 
 
-@dataclass(frozen=True)
+@planner_settings("planning")
 class PlanningSettings:
-    """Settings of the planning hunter; the defaults are those of the preset "paper".
+    """Settings of the planning hunter; the defaults are those of the preset "paper"."""
 
-    depth: longest gait sequence, time-steps, >= 1.
-    expansions: most nodes expanded in a decision, >= 1; None: no limit.
-    samples: hunter outcomes sampled per node, >= 1.
-    stop_distance: the search stops at a node of this value or less, body lengths, >= 0.
-    max_transitions: most changes of gait in a sequence, >= 0; the first gait is none.
-    order: "best-first" or "breadth-first".
-    blocks: independent sets of samples; each decision picks one with its ``rng``, >= 1.
-    bank_seed: seeds the private generator of the uniforms behind all samples, >= 0.
-    rollouts: "compiled" composes every sequence beforehand, "lazy" on expansion, "auto" chooses by size.
-    objective: values of sequences from hunter samples and the predicted prey path [m].
-    """
-
-    depth: int = 10
-    expansions: int | None = 60
-    samples: int = 8
-    stop_distance: float = 0.5
-    max_transitions: int = 1
-    order: str = "best-first"
-    blocks: int = 8
-    bank_seed: int = 0
-    rollouts: str = "auto"
-    objective: Objective = mean_distance
-
-    def __post_init__(self) -> None:
-        least = {"depth": 1, "samples": 1, "max_transitions": 0, "blocks": 1, "bank_seed": 0}
-        if self.expansions is not None:
-            least["expansions"] = 1
-        for name, minimum in least.items():
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < minimum:
-                raise InputError(f"planning: {name} must be a whole number >= {minimum}, got {value!r}")
-        if not (isinstance(self.stop_distance, (int, float)) and 0 <= self.stop_distance < math.inf):
-            raise InputError(f"planning: stop_distance must be body lengths >= 0, got {self.stop_distance!r}")
-        for name, choices in (("order", ORDERS), ("rollouts", ROLLOUTS)):
-            if getattr(self, name) not in choices:
-                raise InputError(f"planning: {name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}")
-        if not callable(self.objective):
-            raise InputError(f"planning: objective must be a function, got {self.objective!r}")
+    depth: Count = setting(10, "longest gait sequence, time-steps", ge=1)
+    expansions: Count | None = setting(60, "most nodes expanded in a decision; None: no limit", ge=1)
+    samples: Count = setting(8, "hunter outcomes sampled per node", ge=1)
+    stop_distance: Number = setting(
+        0.5, "the search stops at a node of this value or less, body lengths", unit="body lengths", ge=0
+    )
+    max_transitions: Count = setting(1, "most changes of gait in a sequence; the first gait is none", ge=0)
+    order: Literal["best-first", "breadth-first"] = setting("best-first", '"best-first" or "breadth-first"')
+    blocks: Count = setting(8, "independent sets of samples; each decision picks one with its rng", ge=1)
+    bank_seed: Count = setting(0, "seeds the private generator of the uniforms behind all samples", ge=0)
+    rollouts: Literal["auto", "compiled", "lazy"] = setting(
+        "auto", '"compiled" composes every sequence beforehand, "lazy" on expansion, "auto" chooses by size'
+    )
+    objective: Objective = setting(
+        mean_distance, "values of sequences from hunter samples and the predicted prey path [m]"
+    )
 
 
 class PlanningPlanner(Shown):
@@ -92,9 +66,10 @@ class PlanningPlanner(Shown):
     """
 
     name = "planning"
+    Settings = PlanningSettings
 
-    def __init__(self, model: ForwardModel, settings: PlanningSettings | None = None) -> None:
-        self.settings = settings = PlanningSettings() if settings is None else settings
+    def __init__(self, model: ForwardModel, settings: PlanningSettings | None = None, **given: Any) -> None:
+        self.settings = settings = PlanningSettings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         outcomes = Outcomes.draw(model, settings.depth, settings.samples, settings.blocks, settings.bank_seed)
@@ -190,8 +165,3 @@ def _sequences(last: list[str], parents: list[int]) -> list[str]:
     for gait, parent in zip(last[1:], parents[1:], strict=True):
         whole.append((*whole[parent], gait))
     return [", ".join(f"{gait} x{len(list(run))}" for gait, run in itertools.groupby(sequence)) for sequence in whole]
-
-
-def planning(model: ForwardModel, **settings: Any) -> PlanningPlanner:
-    """Return a planning hunter; ``settings`` are the fields of :class:`PlanningSettings`."""
-    return PlanningPlanner(model, PlanningSettings(**settings))

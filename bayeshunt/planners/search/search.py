@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 from bayeshunt.core.errors import InputError
 
+#: A frontier's orders.
 ORDERS = ("best-first", "breadth-first")
 
 
@@ -34,7 +35,6 @@ class SearchTree:
     handles, parents, values, depths: one entry per node (the root's parent is -1).
     expanded: node numbers in order of expansion.
     best: the node of least value at depth >= 1, the earliest of equals.
-    outcome: "reached" the stop value, spent the "budget", or "exhausted" the tree.
     """
 
     handles: list[Any]
@@ -43,7 +43,6 @@ class SearchTree:
     depths: list[int]
     expanded: list[int]
     best: int
-    outcome: str
 
     def branch(self, node: int) -> list[int]:
         """Return the node numbers from the root to ``node``."""
@@ -78,13 +77,12 @@ class Search:
         handle, value = space.root()
         handles, parents, values, depths = [handle], [-1], [value], [0]
         expanded: list[int] = []
-        best, best_value, outcome = 0, math.inf, "exhausted"
+        best, best_value = 0, math.inf
         greedy = self.order == "best-first"
         budget = math.inf if self.expansions is None else self.expansions
         frontier = [(value, 0, 0)]  # (priority, depth, node): a total order, so no tie is left to chance
         while frontier:
             if len(expanded) >= budget:
-                outcome = "budget"
                 break
             _, depth, node = heapq.heappop(frontier)
             expanded.append(node)
@@ -101,11 +99,10 @@ class Search:
             if least < best_value:
                 best, best_value = first + costs.index(least), least
                 if least <= self.stop:
-                    outcome = "reached"
                     break
             if depth < self.depth:
                 for number, cost in enumerate(costs, first):
                     heapq.heappush(frontier, (cost if greedy else 0.0, depth, number))
         if not best:
             raise InputError("the search found no node with a finite value")
-        return SearchTree(handles, parents, values, depths, expanded, best, outcome)
+        return SearchTree(handles, parents, values, depths, expanded, best)

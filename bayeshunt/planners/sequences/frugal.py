@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -12,33 +11,35 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation, check_request, predict_prey
 from bayeshunt.planners.sequences.capture import PreyPaths
-from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
+from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 
-@dataclass(frozen=True)
+@planner_settings("cost")
 class CostWeights:
-    """What each part of a hunt costs; the unit of cost is free.
+    """What each part of a hunt costs; the unit of cost is free."""
 
-    time: per second until the catch. distance: per metre travelled (energy). transitions: per change
-    of gait. planning: per second of planning (reaction time).
-    """
-
-    time: float = 1.0
-    distance: float = 0.0
-    transitions: float = 0.0
-    planning: float = 0.0
+    time: Number = setting(1.0, "cost of a second until the catch", ge=0)
+    distance: Number = setting(0.0, "cost of a metre travelled; time or distance must cost something", ge=0)
+    transitions: Number = setting(0.0, "cost of a change of gait", ge=0)
+    planning: Number = setting(0.0, "cost of a second of planning", ge=0)
 
     def __post_init__(self) -> None:
-        for part in fields(self):
-            value = getattr(self, part.name)
-            if isinstance(value, bool) or not (isinstance(value, (int, float)) and 0 <= value < math.inf):
-                raise InputError(f"cost: {part.name} must be a number of at least 0, got {value!r}")
         if not self.time + self.distance > 0:
             raise InputError("cost: time or distance must cost something, or standing still would be best")
 
     def total(self, time: Any, distance: Any, transitions: Any, planning: Any) -> Any:
         """Return the cost of seconds, metres, changes of gait and seconds of planning; numbers or arrays."""
         return self.time * time + self.distance * distance + self.transitions * transitions + self.planning * planning
+
+
+@planner_settings("frugal")
+class FrugalSettings(SearchSettings, CostWeights):
+    """Settings of the frugal hunter: what a hunt costs, and how it searches."""
+
+    seconds_per_node: Number = setting(1e-6, "seconds that considering one sequence takes", ge=0)
+    depth: Count = setting(3, "gaits of the longest sequence", ge=1)
+    max_transitions: Count = setting(2, "most changes of gait in a sequence", ge=0)
 
 
 class Frugal(SequenceHunter):
@@ -53,42 +54,18 @@ class Frugal(SequenceHunter):
     than the last step further has gained (the first: than there is to gain): nodes x
     ``seconds_per_node`` x the price of planning.
 
-    time: cost of a second until the catch, >= 0. distance: cost of a metre travelled, >= 0; time or distance
-    must cost something. transitions: cost of a change of gait, >= 0. planning: cost of a second of planning, >= 0.
-    seconds_per_node: seconds that considering one sequence takes, >= 0.
-    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
-    margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
-    count as a catch, > 0; by default what the experiment says.
     ``rng`` is not used.
     """
 
     name = "frugal"
+    Settings = FrugalSettings
+    settings: FrugalSettings
 
-    def __init__(
-        self,
-        model: ForwardModel,
-        *,
-        time: float = 1.0,
-        distance: float = 0.0,
-        transitions: float = 0.0,
-        planning: float = 0.0,
-        seconds_per_node: float = 1e-6,
-        depth: int = 3,
-        max_transitions: int = 2,
-        margin: float = 0.9,
-        catch_distance: float | None = None,
-    ) -> None:
-        super().__init__(model, depth, max_transitions, margin, catch_distance)
-        self.weights = CostWeights(time, distance, transitions, planning)
-        if isinstance(seconds_per_node, bool) or not (
-            isinstance(seconds_per_node, (int, float)) and 0 <= seconds_per_node < math.inf
-        ):
-            raise InputError(f"frugal: seconds_per_node must be a number of at least 0, got {seconds_per_node!r}")
-        self.seconds_per_node = float(seconds_per_node)
+    def __init__(self, model: ForwardModel, settings: FrugalSettings | None = None, **given: Any) -> None:
+        super().__init__(model, settings, **given)
         tree = self.paths.tree
         self._lengths = np.zeros(len(tree.steps))  # metres along the whole sequence
-        for step in range(1, depth + 1):
+        for step in range(1, self.paths.depth + 1):
             new = slice(self.paths.layers[step], self.paths.layers[step + 1])
             self._lengths[new] = self._lengths[tree.parents[new]] + self.paths.lengths[tree.gaits[new]]
         self._first = self._first_gaits()
@@ -116,16 +93,12 @@ class Frugal(SequenceHunter):
             paths, self.gaits, values, prey, situation, "cost of the hunt, as weighed", prey_known=known
         )
 
-    def chosen(self) -> dict[str, Any]:
-        """Return the weights and the other settings."""
-        return {**vars(self.weights), **super().chosen()}
-
     def _enough(self, depth: int, gained: float) -> bool:
         """Return whether one step further costs more planning than the last step further has gained."""
         if depth == self.paths.depth:
             return True
         more = self.paths.layers[depth + 2] - self.paths.layers[depth + 1]
-        return bool(self.weights.planning * self.seconds_per_node * more > gained)
+        return bool(self.settings.planning * self.settings.seconds_per_node * more > gained)
 
     def _costs(
         self, nodes: np.ndarray, caught: np.ndarray, prey: PreyPaths, reach: float, situation: Situation
@@ -141,7 +114,7 @@ class Frugal(SequenceHunter):
         last = paths.lengths[tree.gaits[nodes]]
         distance = self._lengths[nodes] - (1 - share) * last + np.where(within, 0.0, paths.speed * onward)
         changes = tree.transitions[nodes] + (0 if situation.previous_gait is None else self._changed(nodes, situation))
-        return np.asarray(self.weights.total(time, distance, changes, 0.0))
+        return np.asarray(self.settings.total(time, distance, changes, 0.0))
 
     def _changed(self, nodes: np.ndarray, situation: Situation) -> np.ndarray:
         """Return 1 where a sequence does not begin with the gait just executed, [n]."""

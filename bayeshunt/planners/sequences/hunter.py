@@ -3,58 +3,53 @@
 from __future__ import annotations
 
 import itertools
-import math
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation, catch_distance, known_step
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+
+@planner_settings("sequences")
+class SearchSettings:
+    """Settings of a search over mean paths."""
+
+    depth: Count = setting(4, "gaits of the longest sequence", ge=1)
+    max_transitions: Count = setting(3, "most changes of gait in a sequence", ge=0)
+    margin: Number = setting(
+        0.9,
+        "share of the catch distance that a planned capture must come within, so that a little noise does not spoil it",
+        gt=0,
+        le=1,
+    )
+    catch_distance: Number | None = setting(
+        None, "body lengths between the centres that count as a catch; by default what the experiment says", gt=0
+    )
 
 
 class SequenceHunter(Shown):
-    """A hunter that follows every short gait sequence along its mean path and asks when it captures.
-
-    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
-    margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that count as a catch, > 0;
-    None: what the situation's task says.
-    """
+    """A hunter that follows every short gait sequence along its mean path and asks when it captures."""
 
     name: str
+    Settings: ClassVar[type[SearchSettings]] = SearchSettings
 
-    def __init__(
-        self, model: ForwardModel, depth: int, max_transitions: int, margin: float, catch_distance: float | None
-    ) -> None:
-        check_search(self.name, depth, max_transitions, margin, catch_distance)
+    def __init__(self, model: ForwardModel, settings: SearchSettings | None = None, **given: Any) -> None:
+        self.settings = self.Settings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         known_step(model.gaits.duration, self.name)
-        self.paths = CapturePaths(model, depth, max_transitions)
-        self.depth, self.max_transitions = int(depth), int(max_transitions)
-        self.margin = float(margin)
-        self.catch_distance = None if catch_distance is None else float(catch_distance)
+        self.paths = CapturePaths(model, self.settings.depth, self.settings.max_transitions)
         self.leaves = np.arange(self.paths.layers[-2], self.paths.layers[-1])  # the sequences of full depth
 
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that a planned capture must come within [m]."""
-        return self.margin * catch_distance(situation, self.catch_distance, self.name)
-
-
-def check_search(name: str, depth: Any, max_transitions: Any, margin: Any, catch_distance: Any) -> None:
-    """Raise InputError unless the settings of a search over mean paths are in range."""
-    for key, value, least in (("depth", depth, 1), ("max_transitions", max_transitions, 0)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-            raise InputError(f"{name}: {key} must be a whole number >= {least}, got {value!r}")
-    within = 1.0 if catch_distance is None else catch_distance
-    for key, value, most in (("margin", margin, 1.0), ("catch_distance", within, math.inf)):
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= most:
-            raise InputError(f"{name}: {key} must be a number above 0, got {value!r}")
+        return self.settings.margin * catch_distance(situation, self.settings.catch_distance, self.name)
 
 
 def capture_plan(

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory, TransitionTables
@@ -19,7 +18,8 @@ from bayeshunt.planners.api import Plan, Situation, check_request
 from bayeshunt.planners.guidance.steering import prey_track
 from bayeshunt.planners.info import PlannerInfo
 from bayeshunt.planners.sequences.capture import PreyPaths
-from bayeshunt.planners.sequences.hunter import SequenceHunter, capture_plan
+from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
+from bayeshunt.planners.settings import Count, File, Number, planner_settings, setting
 
 
 class _Walk(NamedTuple):
@@ -39,6 +39,20 @@ class _Expert(NamedTuple):
     general: TransitionTables
 
 
+@planner_settings("memory")
+class MemorySettings(SearchSettings):
+    """Settings of the hunters that remember: how far they believe their memory, and how they search."""
+
+    tables: File[PreyMemory | str | os.PathLike[str] | None] = setting(
+        None, "a PreyMemory or the path of one (bayeshunt remember --out FILE)"
+    )
+    believe: Number = setting(0.5, "prior weight of memory; its arenas share it equally", ge=0, le=1)
+    smoothing: Number = setting(2.0, "how many observed transitions the table fallen back on is worth", gt=0)
+    paths: Count = setting(24, "prey paths sampled", ge=1)
+    depth: Count = setting(3, "gaits of the longest sequence", ge=1)
+    max_transitions: Count = setting(2, "most changes of gait in a sequence", ge=0)
+
+
 class Memory(SequenceHunter):
     """Earliest expected capture against a prey predicted by several experts: this run and earlier ones.
 
@@ -54,13 +68,6 @@ class Memory(SequenceHunter):
     paths are sampled from the mixture; a gait sequence's value is the mean over them of the time of
     first capture, or of its end time + time to go. The trace holds the weight of every expert.
 
-    tables: a :class:`PreyMemory` or the path of one (``bayeshunt remember --out FILE``). believe: prior
-    weight of memory, in [0, 1]; its arenas share it equally. smoothing: how many observed transitions the
-    table fallen back on is worth, > 0. paths: prey paths sampled, >= 1.
-    depth: gaits of the longest sequence, >= 1. max_transitions: most changes of gait in a sequence, >= 0.
-    margin: share of the catch distance that a planned capture must come within, so that a little noise
-    does not spoil it, in (0, 1]. catch_distance: body lengths between the centres that
-    count as a catch, > 0; by default what the experiment says.
     ``rng`` samples the paths.
     """
 
@@ -68,26 +75,16 @@ class Memory(SequenceHunter):
     kind = "all"
     info = PlannerInfo(ab_initio=False, needs=("tables",), maker="bayeshunt remember")
 
-    def __init__(
-        self,
-        model: ForwardModel,
-        *,
-        tables: PreyMemory | str | os.PathLike[str] | None = None,
-        believe: float = 0.5,
-        smoothing: float = 2.0,
-        paths: int = 24,
-        depth: int = 3,
-        max_transitions: int = 2,
-        margin: float = 0.9,
-        catch_distance: float | None = None,
-    ) -> None:
-        name, kind = self.name, self.kind
-        self.info.check_given(name, {"tables": tables})
-        _check(name, believe, smoothing, paths)
-        super().__init__(model, depth, max_transitions, margin, catch_distance)
+    Settings = MemorySettings
+    settings: MemorySettings
+
+    def __init__(self, model: ForwardModel, settings: MemorySettings | None = None, **given: Any) -> None:
+        super().__init__(model, settings, **given)
+        tables = self.settings.tables
+        self.info.check_given(self.name, {"tables": tables})
         memory = tables if isinstance(tables, PreyMemory) else PreyMemory.load(tables)  # type: ignore[arg-type]
+        kind = self.kind
         self.experts = [_Expert(arena, kinds[kind], kinds["all"]) for arena, kinds in memory.tables.items()]
-        self.believe, self.smoothing, self.samples = float(believe), float(smoothing), int(paths)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of earliest expected capture."""
@@ -111,18 +108,15 @@ class Memory(SequenceHunter):
         plan = capture_plan(paths, self.gaits, values, prey, situation, "expected time of capture [s]", prey_known=True)
         return dataclasses.replace(plan, make_trace=partial(_with_weights, plan.make_trace, labels, weights))
 
-    def chosen(self) -> dict[str, Any]:
-        """Return the settings; ``paths`` is how many prey paths are sampled."""
-        return {"paths" if key == "samples" else key: value for key, value in super().chosen().items()}
-
     def _weigh(self, situation: Situation, own: TransitionTables) -> np.ndarray:
         """Return the weights of this run and of every memory [1 + E]; ``own`` counts this run on the way."""
-        prior = np.array([1.0 - self.believe, *[self.believe / len(self.experts)] * len(self.experts)])
+        believe = self.settings.believe
+        prior = np.array([1.0 - believe, *[believe / len(self.experts)] * len(self.experts)])
         with np.errstate(divide="ignore"):
             logs = np.log(prior)
         previous = None
         for place, transition in zip(_places(situation), situation.transitions, strict=True):
-            logs[0] += math.log(own.probability((), transition, self._average(transition), self.smoothing))
+            logs[0] += math.log(own.probability((), transition, self._average(transition), self.settings.smoothing))
             for number, expert in enumerate(self.experts, start=1):
                 logs[number] += math.log(self._probability(expert, place, previous, transition))
             own.observe((), transition)
@@ -132,27 +126,27 @@ class Memory(SequenceHunter):
 
     def _average(self, transition: Polar) -> float:
         """Return what the unconditional memories say on average: where this run's table starts from."""
-        said = [e.general.probability((), transition, e.general.uniform, self.smoothing) for e in self.experts]
+        said = [e.general.probability((), transition, e.general.uniform, self.settings.smoothing) for e in self.experts]
         return sum(said) / len(said)
 
     def _probability(self, expert: _Expert, place: Pose | None, previous: Polar | None, transition: Polar) -> float:
         """Return what a memory said of a transition before it was seen."""
-        base = expert.general.probability((), transition, expert.general.uniform, self.smoothing)
+        base = expert.general.probability((), transition, expert.general.uniform, self.settings.smoothing)
         context = expert.kept.context(place, previous)
-        return expert.kept.probability(context, transition, base, self.smoothing)
+        return expert.kept.probability(context, transition, base, self.settings.smoothing)
 
     def _sample(
         self, situation: Situation, own: TransitionTables, weights: np.ndarray, rng: np.random.Generator
     ) -> PreyPaths:
         """Sample prey paths, each from one expert, [K, T P + 1]."""
         paths, start = self.paths, situation.prey
-        uniforms = rng.random((self.samples, 1 + 2 * paths.depth))
+        uniforms = rng.random((self.settings.paths, 1 + 2 * paths.depth))
         # stratified: the share of paths that an expert makes is its weight, to within one path
-        strata = (np.arange(self.samples) + uniforms[:, 0]) / self.samples
+        strata = (np.arange(self.settings.paths) + uniforms[:, 0]) / self.settings.paths
         chosen = np.minimum(np.searchsorted(np.cumsum(weights), strata, side="right"), len(weights) - 1).tolist()
-        ends = np.empty((2, self.samples, paths.depth + 1))
+        ends = np.empty((2, self.settings.paths, paths.depth + 1))
         last = situation.transitions[-1] if situation.transitions else None
-        for k in range(self.samples):
+        for k in range(self.settings.paths):
             walk = _Walk(float(start.forward), float(start.right), float(start.heading), last)
             ends[:, k, 0] = walk.ahead, walk.right
             for step in range(paths.depth):
@@ -176,7 +170,7 @@ class Memory(SequenceHunter):
             place = situation.pose.compose(seen)
         context = expert.kept.context(place, walk.previous)
         total = expert.kept.total(context)
-        if context is not None and v * (total + self.smoothing) < total:
+        if context is not None and v * (total + self.settings.smoothing) < total:
             return _draw(expert.kept, context, u)
         return self._seen(expert.general, u)
 
@@ -235,12 +229,3 @@ def _places(situation: Situation) -> Sequence[Pose | None]:
 def _with_weights(make_trace: Any, labels: list[str], weights: np.ndarray) -> Any:
     """Return a trace with the weight of every expert in every row."""
     return make_trace().assign(**{f"weight_{label}": weight for label, weight in zip(labels, weights, strict=True)})
-
-
-def _check(name: str, believe: Any, smoothing: Any, paths: Any) -> None:
-    if isinstance(believe, bool) or not (isinstance(believe, (int, float)) and 0 <= believe <= 1):
-        raise InputError(f"{name}: believe must be a number from 0 to 1, got {believe!r}")
-    if isinstance(smoothing, bool) or not (isinstance(smoothing, (int, float)) and 0 < smoothing < math.inf):
-        raise InputError(f"{name}: smoothing must be a number above 0, got {smoothing!r}")
-    if isinstance(paths, bool) or not isinstance(paths, (int, np.integer)) or paths < 1:
-        raise InputError(f"{name}: paths must be a whole number of at least 1, got {paths!r}")

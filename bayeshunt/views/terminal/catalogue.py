@@ -72,7 +72,7 @@ def planner_page(facts: Any) -> None:
 
 def _how_to_set(facts: Any) -> None:
     """Print how one setting is changed, on the command line and in a settings file."""
-    some = facts.settings[0]
+    some = next((s for s in facts.settings if s.default is not None), facts.settings[0])
     value = "FILE" if some.kind == "file" else toml_text(some.default)
     plugin = "" if facts.shipped else "--plugin FILE.py "
     out.print(
