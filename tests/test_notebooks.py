@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import nbformat
 import pytest
@@ -105,3 +106,23 @@ def test_runs_from_start_to_end(path: Path, tmp_path: Path) -> None:
     ran = subprocess.run(command, capture_output=True, text=True, cwd=FOLDER.parent, check=False)
     assert ran.returncode == 0, ran.stdout[-3000:]
     assert "1 passed" in ran.stdout
+
+
+def test_the_first_notebook_serves_another_robot_as_its_exercise_says(monkeypatch) -> None:
+    """Replaced by "car", every plot still has its dots."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    code = code_of(nbformat.read(NOTEBOOKS[0], as_version=4))
+    assert 'bh.load_robot("khepera")' in code
+    drawn: list[Any] = []
+    monkeypatch.setattr("bayeshunt.views.figures.described", lambda figure, alt: drawn.append((figure, alt)))
+    exec(code.replace('"khepera"', '"car"').replace("steps=2000", "steps=200"), {})
+    pyplot.close("all")
+    assert len(drawn) == 3
+    for figure, alt in drawn:
+        points = [line.get_xdata() for axes in figure.axes for line in axes.lines]
+        assert sum(len(x) for x in points) > 20, alt
+    assert "spin" not in drawn[1][1]

@@ -58,6 +58,12 @@ def wrap(angle: ArrayLike) -> FloatLike:
     return wrapped if wrapped.ndim else float(wrapped)
 
 
+def _shown(pose: tuple[Any, ...], names: tuple[str, ...]) -> str:
+    """A pose in one line, numpy's numbers as plain ones."""
+    values = (value.item() if isinstance(value, np.generic) else value for value in pose)
+    return ", ".join(f"{name}={value!r}" for name, value in zip(names, values, strict=True))
+
+
 class Polar(NamedTuple, Generic[Part]):
     """The pose of a thing as seen from a robot, centred on the robot.
 
@@ -69,6 +75,9 @@ class Polar(NamedTuple, Generic[Part]):
     distance: Part
     angle: Part
     heading: Part
+
+    def __repr__(self) -> str:
+        return f"Polar({_shown(self, self._fields)})"
 
     @property
     def forward(self) -> Part:
@@ -144,6 +153,9 @@ class Pose(NamedTuple, Generic[Part]):
     x: Part
     y: Part
     theta: Part
+
+    def __repr__(self) -> str:
+        return f"Pose({_shown(self, self._fields)})"
 
     @overload
     def relative(self, other: Pose) -> Polar[Part]: ...

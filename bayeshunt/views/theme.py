@@ -78,12 +78,18 @@ _RULES = """
 .bh thead th:first-child{left:0;z-index:3;text-align:left}
 .bh .bh-left{text-align:left}
 .bh .bh-heat td{background:rgba(var(--bh-heat),var(--p,0))}
-.bh .bh-heat td:hover{outline:2px solid var(--bh-chosen);outline-offset:-2px}
+.bh .bh-heat td:hover,.bh .bh-heat td:has(input:checked){outline:2px solid var(--bh-chosen);outline-offset:-2px}
+.bh .bh-heat td:has(input:focus-visible){outline:3px solid var(--bh-hunter);outline-offset:-3px}
+.bh .bh-heat td:has(label){padding:0}
+.bh .bh-heat label{display:block;padding:2px 8px;cursor:pointer}
+.bh .bh-heat label input{appearance:none;width:0;height:0;margin:0;padding:0;border:0;outline:0;vertical-align:top}
 .bh .bh-readout{position:relative;padding-bottom:24px}
-@media(hover:hover){.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
- position:absolute;left:0;bottom:0;font-size:12px}}
-.bh .bh-readout:has(td:hover)::before{content:""}
-.bh .bh-readout td:hover::after{content:attr(title);position:absolute;left:0;bottom:0;font-size:12px;
+@media(max-width:620px){.bh .bh-readout{padding-bottom:42px}}
+.bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
+ position:absolute;left:0;bottom:0;font-size:12px}
+.bh .bh-readout:has(td:hover)::before,.bh .bh-readout:has(input:checked)::before{content:""}
+.bh .bh-readout td:hover::after,.bh .bh-readout:not(:has(td:hover)) td:has(input:checked)::after{
+ content:attr(title);position:absolute;left:0;bottom:0;font-size:12px;
  color:var(--bh-ink);pointer-events:none}
 .bh .bh-zero{color:var(--bh-faint)}
 .bh .bh-n,.bh .bh-i{display:none}

@@ -44,6 +44,52 @@ def test_hovering_a_cell_tells_its_count_and_interval(show, model) -> None:
     only_itself(watch)
 
 
+def test_a_click_keeps_the_words_and_arrow_keys_go_on(show, model) -> None:
+    table = model.table("Angle")
+    page, watch = show(table)
+    full = page.locator("td:has(input)")
+    page.mouse.move(0, 0)
+    words = "all => all.map(e => getComputedStyle(e, '::after').content).filter(c => c != 'none')"
+    assert page.locator("td").evaluate_all(words) == []
+    full.nth(3).click()
+    page.mouse.move(0, 0)
+    assert page.locator("td").evaluate_all(words) == [f'"{full.nth(3).get_attribute("title")}"']
+    page.keyboard.press("ArrowRight")
+    assert page.locator("td").evaluate_all(words) == [f'"{full.nth(4).get_attribute("title")}"']
+    page.keyboard.press("Tab")  # one stop for the whole table
+    assert page.evaluate("document.activeElement.type") != "radio"
+    only_itself(watch)
+
+
+#: What JupyterLab 4 says of tables in an output, in its own words.
+JUPYTER = """
+.jp-RenderedHTMLCommon table{border-collapse:collapse;border-spacing:0;border:none;font-size:13px;table-layout:fixed;
+ margin-left:auto;margin-right:auto;margin-bottom:1em;color:rgb(200,0,0)}
+.jp-RenderedHTMLCommon thead{border-bottom:1px solid red;vertical-align:bottom}
+.jp-RenderedHTMLCommon td,.jp-RenderedHTMLCommon th,.jp-RenderedHTMLCommon tr{vertical-align:middle;padding:0.5em;
+ line-height:normal;white-space:normal;max-width:none;border:none}
+:not(.jp-RenderedMarkdown).jp-RenderedHTMLCommon td,:not(.jp-RenderedMarkdown).jp-RenderedHTMLCommon th{max-width:none}
+:not(.jp-RenderedMarkdown).jp-RenderedHTMLCommon td,:not(.jp-RenderedMarkdown).jp-RenderedHTMLCommon th,
+:not(.jp-RenderedMarkdown).jp-RenderedHTMLCommon tr{text-align:right}
+.jp-RenderedHTMLCommon tbody tr:nth-child(odd){background:rgb(255,0,0)}
+.jp-RenderedHTMLCommon tbody tr:hover{background:rgb(0,255,0)}
+"""
+
+
+def test_tables_look_the_same_under_the_style_sheet_of_jupyter(show, model) -> None:
+    """No striped rows, names to the left, whichever sheet comes last."""
+    look = (
+        "all => all.map(e => (s => e.tagName === 'TR' ? [s.backgroundColor] : "
+        "[s.textAlign, s.backgroundColor, s.padding, s.whiteSpace, s.color, s.borderTopWidth])(getComputedStyle(e)))"
+    )
+    page, _ = show(bh.InverseModel(model).posterior(0.15, 0.4), "class='jp-RenderedHTMLCommon'")
+    parts = page.locator(".bh tr, .bh th, .bh td")
+    plain = parts.evaluate_all(look)
+    page.add_style_tag(content=JUPYTER)
+    assert parts.evaluate_all(look) == plain
+    assert page.locator(".bh tbody th").first.evaluate("e => getComputedStyle(e).textAlign") == "left"
+
+
 def test_the_switch_turns_probabilities_into_counts(show, model) -> None:
     page, _ = show(model.table("Angle"))
     table = model.table("Angle")

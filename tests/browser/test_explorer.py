@@ -17,6 +17,7 @@ import pytest
 from waiting import eventually, wait_until
 
 import bayeshunt as bh
+from bayeshunt.core import units
 
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (extra: notebook)")
@@ -29,6 +30,7 @@ CELLS = (
     "explorer",
     "print(f'{explorer.distance!r} {explorer.angle!r} {explorer.answer.best}')",
     "explorer.distance, explorer.angle = 0.05, -1.0",
+    "explorer.inverse.model.table('Angle')",
 )
 
 
@@ -140,7 +142,8 @@ def assert_shows(widget, answer):
     assert list(bars) == list(answer.probabilities.index)
     for gait, probability in answer.probabilities.items():
         assert bars[gait] == pytest.approx(probability, abs=5.01e-4)
-    assert facts["learned cell"].startswith(f"{answer.cell.distance_label}, {answer.cell.angle_label}")
+    labels = answer.cell.distance_label, answer.cell.angle_label
+    assert facts["learned cell"].startswith(", ".join(units.true_minus(units.label(label)) for label in labels))
     assert float(facts["P(evidence)"]) == pytest.approx(answer.evidence_probability, rel=1e-3)
     assert facts["support"].split()[0] == str(answer.support)
 
@@ -201,6 +204,14 @@ def test_the_explorer_works_in_jupyterlab(open_page, notebook, model):
     run_cell(page, 2)
     eventually(lambda: assert_shows(widget, inverse.posterior(0.05, -1.0)))
     assert widget.locator("[data-fact='target']").inner_text() == "50 mm at −57°"
+
+    # A card keeps its own look inside JupyterLab: names to the left, rows not striped.
+    table = run_cell(page, 3).locator(".bh table.bh-heat")
+    table.wait_for()
+    assert table.locator("tbody th").first.evaluate("e => getComputedStyle(e).textAlign") == "left"
+    grounds = table.locator("tbody tr").evaluate_all("all => all.map(e => getComputedStyle(e).backgroundColor)")
+    assert len(grounds) > 2
+    assert len(set(grounds)) == 1
 
     host = re.match(r"https?://[^/]+", notebook).group()
     assert not [url for url in watch.requests if not url.startswith((host, "data:", "blob:"))]

@@ -98,3 +98,9 @@ def test_arrays_broadcast_like_scalars():
     for i in range(50):
         one = Pose(0.1, -0.2, 0.7).relative(Pose(x[i], y[i], t[i]))
         np.testing.assert_allclose([seen.distance[i], seen.angle[i], seen.heading[i]], one, atol=1e-12)
+
+
+def test_a_pose_is_shown_in_plain_numbers():
+    assert repr(Polar(np.float64(0.19), 0.5, None)) == "Polar(distance=0.19, angle=0.5, heading=None)"
+    assert repr(Pose(np.float32(0.5), 1, np.float64(-0.25))) == "Pose(x=0.5, y=1, theta=-0.25)"
+    assert "array(" in repr(Polar(np.zeros(2), 0.0, 0.0))

@@ -45,6 +45,10 @@ def check(html: str) -> Reader:
     return page
 
 
+def switches(page: Reader) -> list[dict]:
+    return [e for e in page.find("input") if e["attributes"]["type"] == "checkbox"]
+
+
 # --- everything ------------------------------------------------------------------------------------
 
 
@@ -151,9 +155,35 @@ def test_every_cell_carries_its_count_and_interval(shown) -> None:
         assert int(told["total"]) == table.count.iloc[:, column].sum()
 
 
+def test_every_cell_that_holds_something_can_be_picked_by_keyboard_and_by_a_click(shown) -> None:
+    """A group of radio buttons has one tab stop and roving arrow keys by itself."""
+    for table in (shown.table, shown.imported_table, shown.gait_table):
+        page = check(table._repr_html_())
+        choices = [e["attributes"] for e in page.find("input") if e["attributes"]["type"] == "radio"]
+        held = table.probability.to_numpy() > 0
+        assert len(choices) == held.sum() > 0
+        assert len({choice["name"] for choice in choices}) == 1
+        titles = [cell["attributes"]["title"] for cell in page.find("td")]
+        assert [c["aria-label"] for c in choices] == [t for t, h in zip(titles, held.ravel(), strict=True) if h]
+    names = {e["attributes"].get("name") for e in check(shown.model._repr_html_()).find("input")} - {None}
+    assert len(names) == 4  # a group a table
+    assert shown.table._repr_html_() == shown.table._repr_html_()
+
+
+def test_a_table_says_what_it_sums_over(shown) -> None:
+    table = shown.tree.table("Angle")
+    others = [p for p in shown.tree.structure.parents("Angle") if p != "Gait"]
+    angle = f"P(Angle | Gait), summed over {others[0]}" if others else "P(Angle | Gait)"
+    assert any(shown.tree.table(e).summed_over for e in ("Distance", "Angle", "Heading"))
+    for text in (table._repr_html_(), str(table), repr(table), shown.tree._repr_html_()):
+        assert angle in text
+    assert table.name == "P(Angle | Gait)"
+    assert shown.table.title == shown.table.name
+
+
 def test_a_gait_prior_that_is_set_shows_counts_alone(shown) -> None:
     page = check(shown.gait_table._repr_html_())
-    assert len(page.find("input")) == 1
+    assert len(switches(page)) == 1
     assert not page.find("span", "bh-i")
     counts = shown.gait_table.count["count"]
     assert [e["text"] for e in page.find("span", "bh-n")] == [str(n) for n in counts]
@@ -164,7 +194,7 @@ def test_a_gait_prior_that_is_set_shows_counts_alone(shown) -> None:
 
 def test_the_switches_show_counts_and_intervals(shown) -> None:
     page = check(shown.table._repr_html_())
-    assert len(page.find("input")) == 2
+    assert len(switches(page)) == 2
     intervals = [e["text"].split(" to ") for e in page.find("span", "bh-i")]
     limits = zip(shown.table.low.to_numpy().ravel(), shown.table.high.to_numpy().ravel(), strict=True)
     for written, bounds in zip(intervals, limits, strict=True):
@@ -261,7 +291,7 @@ def test_no_display_of_an_import_pretends_to_counts(shown, name: str) -> None:
     hints = (e["attributes"].get(name) or "" for e in page.elements for name in ("title", "data-hint"))
     seen = " ".join([page.text, *hints, str(thing), repr(thing)])
     assert not re.search(r"\d rows|\d babbl|babbling rows|babbled|None|<NA>|nan|interval\b|learned coordinate", seen)
-    assert not page.find("input")  # no switch to counts
+    assert not switches(page)  # none to counts
     assert not page.find("span", "bh-n")
 
 

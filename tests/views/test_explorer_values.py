@@ -94,3 +94,14 @@ def test_the_explorer_of_an_import_knows_no_support(khepera_model, tmp_path):
     for gait, path in zip(imported.gaits.names, explorer._scene["paths"], strict=True):
         end = imported.predict(gait)
         np.testing.assert_allclose(path, [[0, 0], [end.forward, end.right]], atol=5.1e-5)
+
+
+def test_who_has_no_kernel_sees_the_answer_and_no_address(khepera_model):
+
+    explorer = bh.Explorer(khepera_model, distance=0.15, angle=0.4)
+    data, _ = explorer._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert data["text/html"] == explorer.answer._repr_html_()
+    assert type(data["text/html"]) is str
+    assert data["text/plain"] == str(explorer.answer)
+    assert not any("object at 0x" in str(part) for part in data.values())

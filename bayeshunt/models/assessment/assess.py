@@ -18,7 +18,7 @@ import pandas as pd
 from bayeshunt.config.loading import recorded_robot
 from bayeshunt.core import displays
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.checks import check_pseudo_count, check_whole
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.models.assessment import scores
@@ -210,7 +210,8 @@ def _check(model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior
         raise InputError("give a model or axes, not both: the model brings its own bins")
     for name, value, least in (("seed", seed, 0), ("permutations", permutations, 1)):
         check_whole(value, name, least)
-    check_pseudo_count(prior, "prior")
+    if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)) or not 0 <= prior < math.inf:
+        raise InputError(f"prior: expected a finite pseudo-count >= 0, got {prior!r}")
 
 
 def _plain(value: Any) -> Any:

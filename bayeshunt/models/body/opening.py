@@ -184,15 +184,19 @@ class OpenTables:
         """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook.
 
         P(Gait) has no intervals (None) where it is set to uniform: nobody estimated it. An imported network
-        has no counts either.
+        has no counts either. Where the structure gives the variable other parents than the gait, they are summed
+        over; ``local_tables`` has the tables with all parents.
         """
+        self._check_variable(variable)
+        others = tuple(p for p in self.structure.parents(variable) if p not in ("Gait", *self.known))
         if not self.has_counts:
-            return ProbabilityTable(variable, self.cpt(variable), None, None, None, level, None)
+            probability = self.cpt(variable)
+            return ProbabilityTable(variable, probability, None, None, None, level, None, summed_over=others)
         low = high = None
         if not self._is_set(variable):
             low, high = self.credible_interval(variable, level)
         return ProbabilityTable(
-            variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known
+            variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known, others
         )
 
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:

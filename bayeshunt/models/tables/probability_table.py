@@ -20,6 +20,7 @@ class ProbabilityTable:
         uniform, which nobody estimated.
     prior: Dirichlet pseudo-count per cell of the probabilities.
     known: states of other variables that the table is conditioned on, {"PreviousGait": name}.
+    summed_over: other parents of the variable in the model's structure, which the table leaves out.
     In an imported network nobody knows count, low, high and prior: they are None.
     """
 
@@ -31,6 +32,7 @@ class ProbabilityTable:
     level: float
     prior: float | None
     known: Mapping[str, str] = field(default_factory=dict)
+    summed_over: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -38,10 +40,15 @@ class ProbabilityTable:
         given = ["Gait", *(f"{variable} = {state}" for variable, state in self.known.items())]
         return "P(Gait)" if self.variable == "Gait" else f"P({self.variable} | {', '.join(given)})"
 
+    @property
+    def title(self) -> str:
+        """Its name, and what is summed over: "P(Angle | Gait), summed over Heading"."""
+        return f"{self.name}, summed over {' and '.join(self.summed_over)}" if self.summed_over else self.name
+
     def __repr__(self) -> str:
         bins, columns = self.probability.shape
         rows = "counts unknown" if self.count is None else f"{int(self.count.to_numpy().sum())} rows"
-        return f"<{self.name}: {bins} x {columns}, {rows}>"
+        return f"<{self.title}: {bins} x {columns}, {rows}>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -6,7 +6,7 @@ const length = (metres) => {
 };
 const degrees = (radians) => `${((180 * radians) / Math.PI).toFixed(0).replace(/^-0$/, "0").replace("-", "−")}°`;
 /* A bin around its middle, as "154 to 160 mm" or "−5° to 5°". */
-const lengths = (low, high) => `${Math.max(0, 1000 * low).toFixed(0)} to ${length(high)}`;
+const lengths = (low, high) => `${length(high).endsWith(" mm") ? Math.max(0, 1000 * low).toFixed(0) : length(low)} to ${length(high)}`;
 const angles = (low, high) => `${degrees(low)} to ${degrees(high)}`;
 const range = (middle, width, words) => words(middle - width / 2, middle + width / 2);
 const wrap = (angle) => Math.PI - ((((Math.PI - angle) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI));

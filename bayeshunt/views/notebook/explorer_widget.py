@@ -9,6 +9,7 @@ import anywidget
 import numpy as np
 import traitlets
 
+from bayeshunt.core import displays
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.units import label, true_minus
 from bayeshunt.models.body.forward import ForwardModel
@@ -56,6 +57,15 @@ class Explorer(anywidget.AnyWidget):
             _answer=_describe(inverse, inverse.posterior(distance, angle)),
         )
         self.observe(self._ask, names=["distance", "angle"])
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        """The widget, and for readers without a kernel (GitHub, nbviewer, a printed page) its present answer."""
+        bundle = super()._repr_mimebundle_(**options)
+        if bundle is None:
+            return None
+        data, metadata = bundle
+        shown = displays.to_html(self.answer)
+        return {**data, "text/plain": str(self.answer), **({"text/html": shown} if shown else {})}, metadata
 
     @property
     def answer(self) -> Posterior:

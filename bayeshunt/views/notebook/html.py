@@ -15,7 +15,7 @@ class Html(str):
     __slots__ = ()
 
 
-def tag(name: str, *content: Any, **attributes: Any) -> Html:
+def tag(name: str, /, *content: Any, **attributes: Any) -> Html:
     """Return ``<name ...>content</name>``; content that is not :class:`Html` is escaped, None left out.
 
     Attribute names lose a trailing underscore (``class_``), others become hyphens; None leaves one

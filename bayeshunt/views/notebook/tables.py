@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from typing import Any
 
@@ -23,7 +24,7 @@ _MOST_CELLS = 12_000
 def probability_table(shown: ProbabilityTable) -> Html:
     """Return a table as a display of its own."""
     bins, columns = shown.probability.shape
-    return card(shown.name, f"{bins} x {columns}, {_origin(shown)}", heat_table(shown))
+    return card(shown.title, f"{bins} x {columns}, {_origin(shown)}", heat_table(shown))
 
 
 def _origin(shown: ProbabilityTable) -> str:
@@ -40,10 +41,11 @@ def heat_table(shown: ProbabilityTable) -> Html:
     kept = _rows_to_show(values)
     labels, columns = _states(shown), list(shown.probability.columns)
     top = max(float(values.max()), 1e-300)
+    group = _group(shown)
     rows = []
     for i in kept:
         cells = [
-            _cell(shown, (labels[i], columns[j]), values[i, j], [a[i, j] for a in behind], top)
+            _cell(shown, (labels[i], columns[j]), values[i, j], [a[i, j] for a in behind], top, group)
             for j in range(len(columns))
         ]
         rows.append(row(labels[i], cells))
@@ -51,7 +53,8 @@ def heat_table(shown: ProbabilityTable) -> Html:
     switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
-    hint = f"Hover a cell for its {('probability', 'count', 'count and interval')[len(behind) // 2]}."
+    behind_it = ("probability", "count", "count and interval")[len(behind) // 2]
+    hint = f"Point at a cell for its {behind_it}; a click keeps it, Tab and the arrow keys go from cell to cell."
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
     return tag("div", *switches, body, note, class_="bh-table")
@@ -74,7 +77,18 @@ def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
     )
 
 
-def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float) -> Html:
+def _group(shown: ProbabilityTable) -> str:
+    """A name for the cells of one table, the same for the same table: one of them can be picked."""
+    content = shown.title.encode() + shown.probability.to_numpy().tobytes()
+    return f"bh-{hashlib.sha256(content).hexdigest()[:10]}"
+
+
+def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float, group: str) -> Html:
+    """A cell with what stands behind it. One that holds something is a choice among its table's.
+
+    So the keyboard reaches the table at one stop, its arrow keys go from cell to cell, and a click keeps the words:
+    all without a script.
+    """
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
     known = "".join(f", {variable} = {state}" for variable, state in shown.known.items())
     column = f" | {place[1]}{known}" if shown.variable != "Gait" else ""
@@ -89,6 +103,8 @@ def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: lis
         content += [tag("span", "{:.3f} to {:.3f}".format(*limits), class_="bh-i")] if limits else []
     shade = math.sqrt(p / top)
     zero = "bh-zero" if p == 0 else None
+    if p > 0 or (behind and behind[0] > 0):
+        content = [tag("label", tag("input", type="radio", name=group, aria_label=hint), *content)]
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
 
 
@@ -160,4 +176,4 @@ def prey_map(prey: PreyModel) -> Html:
 
 def folded_tables(tables: list[ProbabilityTable]) -> Html:
     """Return several tables, each opening at a click, the first one open."""
-    return join(fold(t.name, heat_table(t), open_=i == 0) for i, t in enumerate(tables))
+    return join(fold(t.title, heat_table(t), open_=i == 0) for i, t in enumerate(tables))

@@ -108,7 +108,7 @@ def probability_table(shown: ProbabilityTable) -> str:
         head.append("rows")
         rows = [[*row, str(counts[i])] for row, i in zip(rows, kept, strict=True)]
         more += f", {counts.sum() - counts[kept].sum()} rows in them"
-    return "\n".join([shown.name, "", *align(head, rows), *([f"({more})"] if left else [])])
+    return "\n".join([shown.title, "", *align(head, rows), *([f"({more})"] if left else [])])
 
 
 def _state(shown: ProbabilityTable, name: str) -> str:
