@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from bayeshunt.models.target.turns import TurnModel
     from bayeshunt.planners.api import Plan, Situation
     from bayeshunt.planners.catalogue import describe_planner
+    from bayeshunt.planners.conformance import check_planner
+    from bayeshunt.planners.info import PlannerInfo
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.views.notebook.explorer import Explorer
     from bayeshunt.views.pages.replay import write_replay
@@ -110,6 +112,8 @@ _HOMES = {
     "Structure": ("bayeshunt.models.tables.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.target.prey", "PreyModel"),
     **{name: ("bayeshunt.planners.api", name) for name in ("Plan", "Situation")},
+    "check_planner": ("bayeshunt.planners.conformance", "check_planner"),
+    "PlannerInfo": ("bayeshunt.planners.info", "PlannerInfo"),
     "describe_planner": ("bayeshunt.planners.catalogue", "describe_planner"),
     **{name: ("bayeshunt.planners.registry", name) for name in ("make_planner", "planner_names", "register_planner")},
     **{name: ("bayeshunt.config.loading", name) for name in ("load_experiment", "load_robot")},

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
 import tomllib
 from dataclasses import dataclass, field
 from functools import cache
@@ -32,6 +31,7 @@ from bayeshunt.experiments.protocol import hunt_seed, learn_model
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.experiments.studies.memories import remember
 from bayeshunt.experiments.studies.references import reference
+from bayeshunt.planners.asking import Timed
 from bayeshunt.planners.registry import is_ab_initio
 from benchmarks.interventions import FORESEEN, register
 
@@ -108,21 +108,6 @@ GAP = (
 )
 HELD_OUT = tuple(map(Row, ("planning", *_OURS)))
 SETS = {"final": FINAL, "ablation": ABLATION, "gap": GAP, "held-out": HELD_OUT}
-
-
-class Timed:
-    """A planner whose decisions are timed, in CPU seconds of its thread: other programs do not count."""
-
-    def __init__(self, planner: Any) -> None:
-        self.planner, self.name, self.seconds = planner, planner.name, []
-        self.needs_future, self.foresight = getattr(planner, "needs_future", False), getattr(planner, "foresight", 0.0)
-
-    def plan(self, situation: Any, *, rng: np.random.Generator) -> Any:
-        """Decide and note how long it took."""
-        start = time.thread_time()
-        found = self.planner.plan(situation, rng=rng)
-        self.seconds.append(time.thread_time() - start)
-        return found
 
 
 @cache

@@ -10,6 +10,7 @@ import numpy as np
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Future, Plan, Situation
 from bayeshunt.planners.bounds.omniscient import Omniscient
+from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.intercept_walls import intercept_walls
 from bayeshunt.planners.registry import planner_names, register_planner
 
@@ -23,8 +24,6 @@ class Foreseen:
     """
 
     name = FORESEEN
-    standalone = False
-    explores = True
 
     def __init__(self, model: ForwardModel, *, room: Any) -> None:
         self.walls = intercept_walls(model, room=room)
@@ -40,4 +39,4 @@ class Foreseen:
 def register() -> None:
     """Make them known in this process."""
     if FORESEEN not in planner_names():
-        register_planner(FORESEEN, Foreseen)
+        register_planner(FORESEEN, Foreseen, info=PlannerInfo(needs=(ROOM,), prepare=ROOM))

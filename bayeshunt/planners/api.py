@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -17,7 +17,6 @@ import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.checks import (
-    check_generator,
     check_kind,
     check_number,
     check_positive,
@@ -25,10 +24,12 @@ from bayeshunt.core.checks import (
     check_whole,
 )
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.core.gaits import GIVE_MEASURES
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
-from bayeshunt.core.task import CATCH_BODIES, Task
+from bayeshunt.core.task import Task
 from bayeshunt.planners.info import FUTURE, PlannerInfo
+
+__all__ = ["Future", "Plan", "Planner", "PreyPredictor", "Shown", "Situation"]
 
 
 @runtime_checkable
@@ -132,6 +133,13 @@ class Situation:
             check_kind(transition, "transitions", Polar, "a list of Polar")
         object.__setattr__(self, "transitions", tuple(self.transitions))
         check_kind(self.task, "task", Task, "a Task, with a catch distance [m] and a time limit [s]")
+
+    def need(self, measure: str) -> float:
+        """Return ``body_length`` [m] or ``time_step`` [s]; InputError in one line if it is not known."""
+        value: float | None = getattr(self, measure)
+        if value is None:
+            raise InputError(f"neither the situation nor the planner's model says {measure}: {GIVE_MEASURES}")
+        return value
 
     def _check_prey(self) -> None:
         check_kind(self.prey, "prey", Polar, "its pose as a Polar")
@@ -267,75 +275,6 @@ class Shown:
 
     def _repr_html_(self) -> str | None:
         return displays.to_html(self)
-
-
-def check_request(situation: Situation, rng: np.random.Generator, hunter: GaitRepertoire) -> Situation:
-    """Return what a planner was asked, with the hunter's measures filled in from its model's gaits, ``hunter``.
-
-    Raises InputError unless it is a situation and a generator, or if the situation is one of another body length
-    or time-step than the model's.
-    """
-    check_kind(situation, "situation", Situation, "a Situation")
-    check_generator(rng)
-    known = (hunter.body_length, hunter.duration)
-    if (situation.body_length, situation.time_step) == known:
-        return situation
-    given = (situation.body_length, situation.time_step)
-    for name, unit, asked, own in zip(("body_length", "time_step"), ("m", "s"), given, known, strict=True):
-        if asked is not None and own is not None and not math.isclose(asked, own, rel_tol=1e-6):
-            raise InputError(
-                f"situation: {name} is {asked:g} {unit}, but the planner's model is of a robot with {own:g} {unit}; "
-                "fit a model for this robot"
-            )
-    return replace(
-        situation,
-        body_length=known[0] if given[0] is None else given[0],
-        time_step=known[1] if given[1] is None else given[1],
-    )
-
-
-def known_length(value: float | None, planner: str) -> float:
-    """Return a body length [m]; InputError, for a planner of this name, if it is not known."""
-    if value is None:
-        raise InputError(
-            f"planner {planner!r} needs the robot's body length, which its model does not say: "
-            "fit it with GaitRepertoire(..., body_length=metres)"
-        )
-    return value
-
-
-def known_step(value: float | None, planner: str) -> float:
-    """Return a time-step [s]; InputError, for a planner of this name, if it is not known."""
-    if value is None:
-        raise InputError(
-            f"planner {planner!r} needs to know how long a gait is held, which its model does not say: "
-            "fit it with GaitRepertoire(..., duration=seconds)"
-        )
-    return value
-
-
-def catch_distance(situation: Situation, chosen: float | None, planner: str) -> float:
-    """Return the distance between the centres that counts as a catch [m].
-
-    chosen: a planner's own setting, body lengths; None: the situation's task says, or else the paper does.
-    """
-    if chosen is None and situation.task.catch_distance is not None:
-        return situation.task.catch_distance
-    return (CATCH_BODIES if chosen is None else chosen) * known_length(situation.body_length, planner)
-
-
-def predict_prey(situation: Situation, steps: int) -> tuple[Polar[FloatArray], bool]:
-    """Return the prey 0..steps ahead as the hunter sees it now, and whether the prey model was used.
-
-    The path is a Polar of arrays [steps + 1]. While the prey model is empty the prey is taken to
-    stand still, and the flag is False.
-    """
-    if situation.prey_model.is_empty:
-        return Polar(*(np.full(steps + 1, float(value)) for value in situation.prey)), False
-    path = situation.prey.compose(situation.prey_model.predict_path(steps))
-    if not np.isfinite(path).all():
-        raise InputError(f"the prey model predicts a pose that is not finite within {steps} steps")
-    return path, True
 
 
 def _one_row(gait: str, value: float) -> pd.DataFrame:

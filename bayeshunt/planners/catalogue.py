@@ -19,6 +19,8 @@ from bayeshunt.planners.info import FUTURE
 from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped, made_by
 from bayeshunt.planners.settings import settings_fields
 
+__all__ = ["BABBLED", "PlannerFacts", "Setting", "describe_planner", "summarise"]
+
 #: Default of a room that a planner learns by babbling in its arena.
 BABBLED = "babbled"
 _PAPER = "Oses, Hoffmann and Koene (HAIS 2010)"

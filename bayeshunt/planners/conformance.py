@@ -12,6 +12,8 @@ import pandas as pd
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.planners.api import Plan, Planner, Situation
 
+__all__ = ["check_planner", "same_plan"]
+
 
 def check_planner(planner: Planner, gaits: Iterable[str], situations: Iterable[Situation], seed: int) -> None:
     """Raise BayesHuntError, naming the planner and the fault, unless it keeps the rules.

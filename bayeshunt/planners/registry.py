@@ -28,6 +28,27 @@ from bayeshunt.planners.sequences.frugal import Frugal
 from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
 from bayeshunt.planners.settings import settings_fields
 
+__all__ = [
+    "Factory",
+    "Registered",
+    "adopt_planner",
+    "check_hunts",
+    "check_needs",
+    "check_sections",
+    "explores",
+    "find_planner",
+    "foresight_of",
+    "info_of",
+    "is_ab_initio",
+    "is_shipped",
+    "made_by",
+    "make_planner",
+    "planner_info",
+    "planner_names",
+    "register_planner",
+    "registered_planners",
+]
+
 #: Makes a planner from a forward model and settings given by name.
 Factory = Callable[..., Planner]
 

@@ -11,6 +11,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Future, Plan, Shown, Situation
 from bayeshunt.planners.info import FUTURE, PlannerInfo
 
+__all__ = ["KinematicLimit"]
+
 
 class KinematicLimit(Shown):
     """A bound, not a hunter: the earliest time at which a point of the robot's top speed reaches the prey.

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.info import FUTURE, PlannerInfo, own_foresight
+from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.sequences.capture import PreyPaths
 from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
 from bayeshunt.planners.settings import planner_settings
+
+__all__ = ["Omniscient", "OmniscientSettings"]
 
 
 @planner_settings("omniscient")

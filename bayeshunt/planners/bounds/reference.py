@@ -19,10 +19,13 @@ from bayeshunt.core.geometry import Polar
 from bayeshunt.files.atomic import check_source, replace_atomically
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_step
+from bayeshunt.planners.api import Plan, Shown, Situation
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
 from bayeshunt.planners.info import PlannerInfo
+from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import File, planner_settings, setting
+
+__all__ = ["FORMAT", "Reference", "ReferenceSettings", "ReferenceTable"]
 
 FORMAT = 1
 _MAKER = "bayeshunt reference"
@@ -131,7 +134,7 @@ class Reference(Shown):
             raise InputError(
                 f"reference: the table's gaits ({', '.join(self.table.gaits)}) are not the model's; make it again"
             )
-        if abs(self.table.chase.duration - known_step(model.gaits.duration, self.name)) > 1e-9:
+        if abs(self.table.chase.duration - model.gaits.need("duration")) > 1e-9:
             raise InputError(
                 f"reference: the table is for a time-step of {self.table.chase.duration} s, "
                 f"the model's is {model.gaits.duration} s; make it again"

@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+__all__ = ["Chase", "Grid", "expected_times", "solve"]
+
 _CHUNK = 8192  # states composed at a time: bounds the memory
 
 

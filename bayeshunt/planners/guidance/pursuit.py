@@ -12,9 +12,12 @@ import numpy as np
 
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, known_step
+from bayeshunt.planners.api import Plan, Shown, Situation
 from bayeshunt.planners.guidance.steering import Steering, intercept_time, prey_track
+from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Number, planner_settings, setting
+
+__all__ = ["ConstantVelocity", "NavigationSettings", "ProportionalNavigation", "PurePursuit", "VelocitySettings"]
 
 
 class PurePursuit(Shown):
@@ -27,7 +30,7 @@ class PurePursuit(Shown):
 
     def __init__(self, model: ForwardModel) -> None:
         self.hunter = model.gaits
-        self.steering = Steering(model, self.name)
+        self.steering = Steering(model)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the prey's present position."""
@@ -61,7 +64,7 @@ class ProportionalNavigation(Shown):
     def __init__(self, model: ForwardModel, settings: NavigationSettings | None = None, **given: Any) -> None:
         self.settings = NavigationSettings(**given) if settings is None else settings
         self.hunter = model.gaits
-        self.steering = Steering(model, self.name)
+        self.steering = Steering(model)
         self._fast = _fast_gaits(self.steering)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
@@ -71,7 +74,7 @@ class ProportionalNavigation(Shown):
         ahead, right = float(prey.forward), float(prey.right)
         if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
             return steering.towards(ahead, right, heading=float(prey.heading))
-        track, step = prey_track(situation), known_step(situation.time_step, self.name)
+        track, step = prey_track(situation), situation.need("time_step")
         v_ahead = float(track.forward[-1] - track.forward[-2]) / step - steering.top_speed
         v_right = float(track.right[-1] - track.right[-2]) / step
         rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
@@ -114,7 +117,7 @@ class ConstantVelocity(Shown):
     def __init__(self, model: ForwardModel, settings: VelocitySettings | None = None, **given: Any) -> None:
         self.settings = VelocitySettings(**given) if settings is None else settings
         self.hunter = model.gaits
-        self.steering = Steering(model, self.name)
+        self.steering = Steering(model)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the point of interception."""
@@ -123,7 +126,7 @@ class ConstantVelocity(Shown):
             prey = situation.prey
             return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
         ahead, right, v_ahead, v_right = self._estimate(situation)
-        reach, step = known_length(situation.body_length, self.name), known_step(situation.time_step, self.name)
+        reach, step = situation.need("body_length"), situation.need("time_step")
         time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)
         # a gait is held for a whole step, so a point that is passed before the step ends is no aim
         time = max(time, step) if math.isfinite(time) else step
@@ -133,7 +136,7 @@ class ConstantVelocity(Shown):
         """Return the filtered position [m] and velocity [m/s] of the prey: ahead, right, and their rates."""
         from pykalman import KalmanFilter
 
-        step, speed = known_step(situation.time_step, self.name), self.steering.top_speed
+        step, speed = situation.need("time_step"), self.steering.top_speed
         track = prey_track(situation)
         seen = np.column_stack([track.forward, track.right])
         move = np.kron([[1.0, step], [0.0, 1.0]], np.eye(2))

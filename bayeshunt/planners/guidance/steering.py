@@ -10,7 +10,9 @@ import pandas as pd
 
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Situation, known_step
+from bayeshunt.planners.api import Plan, Situation
+
+__all__ = ["Steering", "intercept_time", "prey_track"]
 
 
 class Steering:
@@ -18,11 +20,10 @@ class Steering:
 
     gaits: names, in table order. forward, right: mean end of each gait [G] (metres); heading: radians clockwise [G].
     reach: distance of the farthest of these ends, metres. hunter: the gaits, with the body's length and the time-step.
-    planner: whose steering it is, for messages.
     """
 
-    def __init__(self, model: ForwardModel, planner: str = "") -> None:
-        self.planner, self.hunter = planner, model.gaits
+    def __init__(self, model: ForwardModel) -> None:
+        self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         ends = [model.predict(gait) for gait in self.gaits]
         self.forward, self.right = np.array([e.forward for e in ends]), np.array([e.right for e in ends])
@@ -32,7 +33,7 @@ class Steering:
     @property
     def top_speed(self) -> float:
         """Metres per second of the gait that reaches farthest; InputError if the model does not know its time-step."""
-        return self.reach / known_step(self.hunter.duration, self.planner)
+        return self.reach / self.hunter.need("duration")
 
     def towards(self, forward: float, right: float, *, heading: float = math.nan, prey_known: bool = False) -> Plan:
         """Return the plan to execute the gait whose mean end is nearest to a point [m]; a tie goes to the first.

@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.interception.lookahead import PairPaths, gait_paths
+from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.search.rollouts import Outcomes
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+__all__ = ["BeliefPlanner", "BeliefSettings", "belief"]
 
 
 @planner_settings("belief")

@@ -14,6 +14,8 @@ import numpy as np
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.planners.interception.futures import Futures
 
+__all__ = ["LEGS", "Walls", "room_futures"]
+
 #: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
 LEGS = 9
 #: A side that is less probable than this is left out.

@@ -13,6 +13,8 @@ import numpy as np
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.target.turns import TurnModel
 
+__all__ = ["Futures", "mix", "turning_futures"]
+
 
 @dataclass(frozen=True, eq=False)
 class Futures:

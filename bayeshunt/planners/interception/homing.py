@@ -13,6 +13,8 @@ import numpy as np
 from bayeshunt.core.geometry import wrap
 from bayeshunt.planners.interception.futures import Futures
 
+__all__ = ["Homing"]
+
 #: A prey faster than this share of the hunter's top speed is taken to go at this share beyond the
 #: lookahead: it might never be met, and then a longer chase must still cost more than a shorter one.
 _CHASE_SHARE = 0.9

@@ -10,11 +10,14 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel
-from bayeshunt.planners.api import Plan, Situation, catch_distance, check_request, known_length, known_step
+from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.pairs import PairPlanner
+from bayeshunt.planners.requests import catch_distance, check_request
 from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
+
+__all__ = ["InterceptPlanner", "InterceptSettings", "intercept"]
 
 
 @planner_settings("intercept")
@@ -74,7 +77,7 @@ class InterceptPlanner(PairPlanner):
         own = OwnMotion.of(model, chosen.turn_threshold)
         if not own.top_speed > 0:
             raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
-        step, body = known_step(model.gaits.duration, self.name), known_length(model.gaits.body_length, self.name)
+        step, body = model.gaits.need("duration"), model.gaits.need("body_length")
         price = chosen.heading_price * step / own.softest_turn
         reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
         super().__init__(model, Homing(own.top_speed / step, reach, price), chosen.spread * body)
@@ -100,7 +103,7 @@ class InterceptPlanner(PairPlanner):
 
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that is a capture [m]."""
-        return catch_distance(situation, self.settings.catch_distance, self.name)
+        return catch_distance(situation, self.settings.catch_distance)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the earliest expected capture."""

@@ -13,11 +13,13 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Pose
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel
-from bayeshunt.planners.api import Situation, known_length
+from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+__all__ = ["InterceptRoomPlanner", "RoomGuessSettings", "intercept_room"]
 
 _NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 #: Rooms less probable than this are left out of a decision.
@@ -77,7 +79,7 @@ class InterceptRoomPlanner(InterceptPlanner):
     def __init__(self, model: ForwardModel, settings: RoomGuessSettings | None = None, **given: Any) -> None:
         super().__init__(model, settings, **given)
         chosen = self.settings
-        body = known_length(model.gaits.body_length, self.name)
+        body = model.gaits.need("body_length")
         self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
         self.slack = chosen.slack * body
         self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]

@@ -8,12 +8,14 @@ from typing import Any
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Situation, known_length
+from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.settings import File, Number, planner_settings, setting
+
+__all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
 
 
 @planner_settings("intercept_walls")
@@ -63,7 +65,7 @@ class InterceptWallsPlanner(InterceptPlanner):
                 'or a file made by "bayeshunt explore --out FILE"'
             )
         self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
-        keep = chosen.clearance * known_length(model.gaits.body_length, self.name)
+        keep = chosen.clearance * model.gaits.need("body_length")
         self.walls = Walls(
             tuple((float(x), float(y)) for x, y in self.room.normals),
             tuple(float(offset) - keep for offset in self.room.offsets),

@@ -15,6 +15,8 @@ from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
 
+__all__ = ["Outlook", "PairPaths", "decide", "gait_paths", "look_ahead"]
+
 
 def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
     """Return the mean pose of every gait after each of P equal intervals, [G, P, 3]: forward m, right m, heading rad.

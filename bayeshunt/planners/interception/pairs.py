@@ -16,6 +16,8 @@ from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.lookahead import PairPaths, decide, look_ahead
 
+__all__ = ["PairPlanner", "trace"]
+
 
 class PairPlanner(Shown):
     """Chooses the pair of gaits of the earliest expected capture; ties go to the first in table order.

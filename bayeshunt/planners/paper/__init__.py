@@ -1,0 +1,1 @@
+"""The three hunters of the paper: reactive, prediction and planning."""

@@ -12,7 +12,8 @@ import pandas as pd
 
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, predict_prey
+from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.requests import check_request, predict_prey
 from bayeshunt.planners.search.rollouts import (
     CompiledRollouts,
     GaitTree,
@@ -24,6 +25,8 @@ from bayeshunt.planners.search.rollouts import (
 )
 from bayeshunt.planners.search.search import Search, SearchTree
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+__all__ = ["PlanningPlanner", "PlanningSettings"]
 
 # Above this many gait sequences, valuing all of them costs more than composing those expanded.
 _COMPILED_NODES = 20_000
@@ -86,7 +89,7 @@ class PlanningPlanner(Shown):
         prey, known = predict_prey(situation, chosen.depth)
         rollouts = self.rollouts_after.get(situation.previous_gait or "", self.rollouts)
         space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
-        body = known_length(situation.body_length, self.name)
+        body = situation.need("body_length")
         tree = Search(chosen.order, chosen.depth, chosen.expansions, chosen.stop_distance * body).run(space)
         gaits = tuple(self.gaits[space.gait(tree.handles[n])] for n in tree.branch(tree.best)[1:])
         return Plan(

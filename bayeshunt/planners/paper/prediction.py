@@ -9,8 +9,11 @@ import numpy as np
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request, known_length, predict_prey
+from bayeshunt.planners.api import Plan, Shown, Situation
 from bayeshunt.planners.paper.reactive import aim
+from bayeshunt.planners.requests import check_request, predict_prey
+
+__all__ = ["PredictionPlanner", "steps_ahead"]
 
 # A distance of 5 bodies may arrive as 4.999999999999999; it must not change the rounding.
 _ROUNDING_SLACK = 1e-9
@@ -42,7 +45,7 @@ class PredictionPlanner(Shown):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of highest posterior at the prey's predicted position."""
         situation = check_request(situation, rng, self.hunter)
-        steps = steps_ahead(situation.prey.distance, known_length(situation.body_length, self.name))
+        steps = steps_ahead(situation.prey.distance, situation.need("body_length"))
         path, known = predict_prey(situation, steps)
         target = Polar(*(float(values[-1]) for values in path))
         inverse = self.inverse.after(situation.previous_gait)

@@ -11,7 +11,10 @@ import pandas as pd
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
-from bayeshunt.planners.api import Plan, Shown, Situation, check_request
+from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.requests import check_request
+
+__all__ = ["ReactivePlanner", "aim"]
 
 
 class ReactivePlanner(Shown):

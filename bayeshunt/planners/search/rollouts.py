@@ -23,6 +23,20 @@ from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 
+__all__ = [
+    "CompiledRollouts",
+    "CompiledSpace",
+    "GaitTree",
+    "HunterSamples",
+    "LazyRollouts",
+    "LazySpace",
+    "Objective",
+    "Outcomes",
+    "children_allowed",
+    "count_nodes",
+    "mean_distance",
+]
+
 # Nodes evaluated at a time: the temporaries then stay in cache and below malloc's mmap threshold.
 _CHUNK = 1024
 

@@ -14,6 +14,8 @@ from typing import Any, Protocol
 
 from bayeshunt.core.errors import InputError
 
+__all__ = ["ORDERS", "Search", "SearchTree", "Space"]
+
 #: A frontier's orders.
 ORDERS = ("best-first", "breadth-first")
 

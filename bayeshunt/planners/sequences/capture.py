@@ -16,6 +16,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.interception.lookahead import gait_paths
 from bayeshunt.planners.search.rollouts import GaitTree
 
+__all__ = ["CapturePaths", "PreyPaths"]
+
 
 @dataclass(frozen=True)
 class PreyPaths:

@@ -9,10 +9,13 @@ import numpy as np
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Situation, check_request, predict_prey
+from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.requests import check_request, predict_prey
 from bayeshunt.planners.sequences.capture import PreyPaths
 from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+__all__ = ["CostWeights", "Frugal", "FrugalSettings"]
 
 
 @planner_settings("cost")

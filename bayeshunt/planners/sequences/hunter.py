@@ -11,9 +11,12 @@ import pandas as pd
 
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.planners.api import Plan, Shown, Situation, catch_distance, known_step
+from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.requests import catch_distance
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+
+__all__ = ["SearchSettings", "SequenceHunter", "capture_plan", "path_to"]
 
 
 @planner_settings("sequences")
@@ -43,13 +46,13 @@ class SequenceHunter(Shown):
         self.settings = self.Settings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
-        known_step(model.gaits.duration, self.name)
+        model.gaits.need("duration")
         self.paths = CapturePaths(model, self.settings.depth, self.settings.max_transitions)
         self.leaves = np.arange(self.paths.layers[-2], self.paths.layers[-1])  # the sequences of full depth
 
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that a planned capture must come within [m]."""
-        return self.settings.margin * catch_distance(situation, self.settings.catch_distance, self.name)
+        return self.settings.margin * catch_distance(situation, self.settings.catch_distance)
 
 
 def capture_plan(

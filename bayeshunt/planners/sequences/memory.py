@@ -14,12 +14,15 @@ import numpy as np
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory, TransitionTables
-from bayeshunt.planners.api import Plan, Situation, check_request
+from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.guidance.steering import prey_track
 from bayeshunt.planners.info import PlannerInfo
+from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.sequences.capture import PreyPaths
 from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
 from bayeshunt.planners.settings import Count, File, Number, planner_settings, setting
+
+__all__ = ["Memory", "MemorySettings", "OrderMemory", "PlaceMemory"]
 
 
 class _Walk(NamedTuple):
