@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import warnings
 from typing import Any, NoReturn
 
 import typer
@@ -22,11 +23,13 @@ from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
-from bayeshunt.core.errors import BayesHuntError, InputError
+from bayeshunt.core.errors import BayesHuntError, DataWarning, InputError
 
 
 def main() -> None:
     """Run the command line; exit 2 for wrong input, 1 for failed work, each with one line on stderr."""
+    warnings.showwarning = _show_warning  # type: ignore[assignment]  # the places are of no use here
+    warnings.simplefilter("always", DataWarning)
     with remembered_output() as output:
         try:
             status = _run()
@@ -60,6 +63,13 @@ def _run() -> int:
     if status == 130:  # what typer makes of Ctrl-C
         _fail("stopped", 130)
     return status if isinstance(status, int) else 0
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    """A warning about the input is one line; the others are not for users of commands."""
+    if issubclass(category, DataWarning) and sys.stderr is not None:
+        with contextlib.suppress(OSError):
+            print(f"bayeshunt: warning: {' '.join(str(message).split())}", file=sys.stderr, flush=True)
 
 
 def _fail(message: Any, status: int) -> NoReturn:

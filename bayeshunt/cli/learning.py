@@ -37,6 +37,7 @@ def babble(
 
     Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
     """
+    from bayeshunt.config.loading import load_robot
     from bayeshunt.experiments.studies.babbling import babble_to_file, kept_rows
     from bayeshunt.views.terminal import terminal
 
@@ -49,7 +50,9 @@ def babble(
     with stoppable(kept), terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
         gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
     facts = {"out": str(out), "rows": steps, "gaits": gaits, "seed": seed}
-    following = f"bayeshunt fit {shlex.quote(str(out))} --out model.json"
+    following, all_gaits = f"bayeshunt fit {shlex.quote(str(out))} --out model.json", len(load_robot(robot).gait)
+    if len(gaits) < all_gaits:
+        following += f" --prior 0.03   ({len(gaits)} of {all_gaits} gaits; babble more, or fit with a prior)"
     tell(facts, as_json, f"{out}: {steps} rows of {len(gaits)} gaits; next: {following}")
 
 

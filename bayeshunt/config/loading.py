@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config.describing import describe, keys_at
+from bayeshunt.config.plausibility import warn_implausible
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
 from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["DEFAULT_PRESET", "describe", "load_experiment", "load_robot", "parse", "preset_names", "recorded_robot"]
 
 Kind = TypeVar("Kind", bound=BaseModel)
+Loaded = TypeVar("Loaded", RobotSettings, ExperimentSettings)
 
 #: The experiment that runs where none is named: the one that comes out as the paper reports it.
 DEFAULT_PRESET = "oses2010"
@@ -39,8 +41,8 @@ def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
     """
     if isinstance(robot, RobotSettings):
         return robot
-    values, source = _read(robot, "robots")
-    return parse(RobotSettings, values, source)
+    settings, source = _robot(robot)
+    return _plausible(settings, source)
 
 
 def load_experiment(
@@ -63,11 +65,11 @@ def load_experiment(
     # A group before what is inside it, so that the order in which changes are given means nothing.
     for key, value in sorted((overrides or {}).items(), key=lambda change: change[0].count(".")):
         if key == "robot" and isinstance(value, str):
-            value = load_robot(value).model_dump()
+            value = _robot(value)[0].model_dump()
         _set(values, key, value, source)
     if overrides:
         _forget_publication(values, before, set(overrides))
-    return parse(ExperimentSettings, values, source)
+    return _plausible(parse(ExperimentSettings, values, source), source)
 
 
 def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") -> RobotSettings:
@@ -88,6 +90,17 @@ def preset_names(folder: str = "") -> list[str]:
     """Return the names of the presets that ship: experiments, or "robots"."""
     place = _PRESETS / folder if folder else _PRESETS
     return sorted(p.name.removesuffix(".toml") for p in place.iterdir() if p.name.endswith(".toml"))
+
+
+def _robot(robot: str | os.PathLike[str]) -> tuple[RobotSettings, str]:
+    """Return a robot by name or path, and what to call it in a message."""
+    values, source = _read(robot, "robots")
+    return parse(RobotSettings, values, source), source
+
+
+def _plausible(settings: Loaded, source: str) -> Loaded:
+    warn_implausible(settings, source)
+    return settings
 
 
 def parse(kind: type[Kind], values: Any, source: str) -> Kind:
@@ -145,7 +158,7 @@ def _resolve_robot(values: dict[str, Any], folder: Path) -> None:
     robot = values.get("robot")
     if isinstance(robot, str):
         path = folder / robot if robot.endswith(".toml") else robot
-        values["robot"] = load_robot(path).model_dump()
+        values["robot"] = _robot(path)[0].model_dump()
 
 
 #: What makes an experiment another one than the published: change it, and the published figures say nothing.

@@ -82,21 +82,21 @@ def check_pseudo_count(value: Any, name: str) -> float:
 FULL_TURN = 6.2832
 
 
-def check_radians(value: Any, name: str) -> float:
-    """Return ``value`` [rad] as a float; InputError unless it is a finite number of at most one turn either way.
+def check_radians(value: Any, name: str, turns: int = 1) -> float:
+    """Return ``value`` [rad] as a float; InputError unless it is a finite number of at most ``turns`` either way.
 
     For angles that people type: who reads degrees in every table types degrees sooner or later.
     """
     angle = check_number(value, name, "a finite number of radians")
-    if abs(angle) > FULL_TURN:
-        raise InputError(f"{name}: {beyond_a_turn(angle)}")
+    if abs(angle) > turns * FULL_TURN:
+        raise InputError(f"{name}: {beyond_a_turn(angle, turns)}")
     return angle
 
 
-def beyond_a_turn(angle: float) -> str:
-    """Return what is wrong with an angle of more than one turn, and the mend."""
+def beyond_a_turn(angle: float, turns: int = 1) -> str:
+    """Return what is wrong with an angle of more than ``turns`` full turns, and the fix."""
     return (
-        f"expected radians from -2 pi to 2 pi, got {angle:g}; "
+        f"expected radians from -{2 * turns} pi to {2 * turns} pi, got {angle:g}; "
         f"if that is in degrees, give {math.radians(angle):.4g} (degrees x pi / 180)"
     )
 
@@ -120,11 +120,11 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
 
 
-def check_bearings(values: np.ndarray, name: str) -> None:
-    """Raise InputError if an angle [rad] of an array is beyond one turn, as :func:`check_radians`; NaN passes."""
-    far = np.abs(values) > FULL_TURN
+def check_bearings(values: np.ndarray, name: str, turns: int = 1) -> None:
+    """Raise InputError if an angle [rad] of an array is beyond ``turns``, as :func:`check_radians`; NaN passes."""
+    far = np.abs(values) > turns * FULL_TURN
     if far.any():
-        raise InputError(f"{name}: {beyond_a_turn(float(np.asarray(values)[far].flat[0]))}")
+        raise InputError(f"{name}: {beyond_a_turn(float(values[far].flat[0]), turns)}")
 
 
 def check_polar(value: Any, name: str) -> None:

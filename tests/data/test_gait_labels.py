@@ -39,7 +39,10 @@ def test_labels_count_as_their_text(kind, tmp_path):
     labels, names = TEXTS[kind]
     frame, plain = table(labels), table([names[0]] * 2 + [names[1]] * 2)
     own = list(dict.fromkeys(labels))  # the labels themselves name the gaits as well
-    model, expected = bh.ForwardModel.fit(frame, own), bh.ForwardModel.fit(plain, names)
+    model, expected = (
+        bh.ForwardModel.fit(frame, own, axes=AXES),
+        bh.ForwardModel.fit(plain, names, axes=AXES),
+    )
     assert model.gaits.names == tuple(names)
     assert model == expected
     assert model.update(frame) == expected.update(plain)

@@ -70,9 +70,12 @@ def test_an_answer_says_how_far_it_is_from_what_was_asked(three_cells: InverseMo
     assert three_cells.posterior(0.301, 0.0).beyond is True
 
 
-def test_any_finite_angle_is_wrapped(three_cells: InverseModel) -> None:
-    turned = three_cells.posterior(0.25, 200 * math.pi, 100 * math.pi)
+def test_angles_are_wrapped_and_degrees_refused(three_cells: InverseModel) -> None:
+    turned = three_cells.posterior(0.25, 4 * math.pi, -2 * math.pi)
     assert (turned.best, turned.snapped) == ("far", False)
+    for angle, heading in ((200 * math.pi, 0.0), (0.0, 100 * math.pi), (90.0, None)):
+        with pytest.raises(InputError, match="expected radians from -4 pi to 4 pi"):
+            three_cells.posterior(0.25, angle, heading)
 
 
 def test_nearest_is_cartesian(three_cells: InverseModel) -> None:
@@ -222,9 +225,9 @@ def test_bad_numbers(inverse: InverseModel, target: tuple[float, ...]) -> None:
 
 
 def test_angles_are_wrapped(inverse: InverseModel) -> None:
-    for turns in (-2, 1, 5):
-        answer = inverse.posterior(0.15, 0.2 + turns * 2 * math.pi)
-        assert answer.cell == inverse.posterior(0.15, 0.2).cell
+    for angle in (0.2, 3.5, 6.0):
+        answer = inverse.posterior(0.15, angle - 2 * math.pi)
+        assert answer.cell == inverse.posterior(0.15, angle).cell
 
 
 def test_table_lists_every_learned_cell(inverse: InverseModel) -> None:

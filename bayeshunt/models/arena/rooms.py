@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.checks import check_bearings
 from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
 from bayeshunt.files.endings import check_ending
@@ -69,6 +70,7 @@ class RoomModel:
         places = poses[:, :2]
         if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
             raise DataError("track: expected at least three places, and finite x, y and theta")
+        check_bearings(poses[:, 2], "track: theta")
         held = places[_held_up(track, model)]
         walls = _merge(_edges(_hull(places)), held, model.gaits.need("body_length"))
         table = np.array(walls, dtype=float).reshape(-1, 5)

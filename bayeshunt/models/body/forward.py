@@ -27,6 +27,7 @@ from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
+from bayeshunt.data.plausibility import warn_implausible
 from bayeshunt.models.body.opening import OpenTables
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
@@ -215,6 +216,7 @@ class ForwardModel(OpenTables):
         self._check_whole("update")
         if self.has_counts:
             babbling_table.validate(rows)  # counting checks the gaits
+            warn_implausible(rows, self.gaits, self.axes)
         counts = self.source.counted.merge(self.source.count(rows))  # type: ignore[arg-type]  # of one kind
         sources = list(self.provenance.get("sources", []))
         record = rows.attrs.get(babbling_table.PROVENANCE_KEY)

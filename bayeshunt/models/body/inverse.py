@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
-from bayeshunt.core.checks import check_kind, check_number, check_numbers
+from bayeshunt.core.checks import FULL_TURN, check_bearings, check_kind, check_number, check_numbers, check_radians
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import wrap
@@ -24,6 +24,9 @@ from bayeshunt.models.body.posterior import Cell, CellPosterior, Posterior
 from bayeshunt.models.tables.structures import PREVIOUS, depends_on_previous
 
 _PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
+#: Angles of a target may be this many turns off: sums of a bearing and a turn; degrees go far beyond.
+_TURNS = 2
+_FARTHEST_TURN = _TURNS * FULL_TURN
 _floor = math.floor
 _make = tuple.__new__
 #: Angular distances [rad] closer than this are ties.
@@ -80,7 +83,7 @@ class InverseModel:
     def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
         """Return P(Gait | evidence) for a target in the robot's frame.
 
-        distance: metres, >= 0. angle, heading: radians clockwise; any finite value, it is wrapped.
+        distance: metres, >= 0. angle, heading: radians clockwise, -4 pi to 4 pi; they are wrapped.
         snap: use the target's own (Distance, Angle) cell if babbling reached it, else the learned
             cell whose centre is nearest in metres (ties: lowest index). If a heading is given and
             has probability 0 there, the nearest heading bin that has not.
@@ -92,8 +95,10 @@ class InverseModel:
             d, a = float(distance), float(angle)
         except (TypeError, ValueError):  # no check beforehand: this is the innermost loop of a hunt
             raise InputError(f"target: expected two numbers, got {shown(distance)} and {shown(angle)}") from None
-        if not (0.0 <= d <= FARTHEST and -_INF < a < _INF):
-            raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
+        if not (0.0 <= d <= FARTHEST and -_FARTHEST_TURN <= a <= _FARTHEST_TURN):
+            if not (0.0 <= d <= FARTHEST and -_INF < a < _INF):
+                raise InputError(f"target ({distance}, {angle}): expected 0 to {FARTHEST:g} m and a finite angle [rad]")
+            check_radians(a, "target angle", _TURNS)
         # The arithmetic of Axis.index and wrap, inlined: this is the innermost loop of a hunt.
         d_bins = d / self._distance_width
         a_bins = ((a if -_PI < a <= _PI else wrap(a)) - self._angle_edge) / self._angle_width
@@ -120,6 +125,7 @@ class InverseModel:
         d, a = np.ascontiguousarray(d.ravel()), np.ascontiguousarray(a.ravel())
         if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and a.min() > -_INF and a.max() < _INF):
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
+        check_bearings(a, "target angles", _TURNS)
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
 
     def table(self) -> pd.DataFrame:
@@ -190,6 +196,8 @@ class InverseModel:
         """The answer when a heading is given or snapping is forbidden; ``found`` has the cell used."""
         source, d, a, heading, snapped = found
         h = None if heading is None else check_number(heading, "target heading", "a finite angle [rad]")
+        if h is not None:
+            check_radians(h, "target heading", _TURNS)
         axes = self.model.axes
         h_bin = None if h is None else axes.heading.index(h)
         if not snap:

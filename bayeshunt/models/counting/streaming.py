@@ -15,6 +15,7 @@ from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data.babbling_table import Batches
+from bayeshunt.data.plausibility import warn_implausible
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for, previous_codes
@@ -63,6 +64,8 @@ def count_tables(
         for frame in table.of(gaits.names):
             if kind is PreviousCounts:
                 previous_codes(frame, gaits, source=table.name, first_row=first)  # names the file and the row
+            if not first:  # one warning a table is enough
+                warn_implausible(frame, counts.gaits, counts.axes, source=table.name)
             counts = counts.merge(kind.of(frame, counts.gaits, counts.axes))
             first += len(frame)
             if progress is not None:

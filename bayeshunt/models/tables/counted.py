@@ -214,7 +214,10 @@ def check_every_gait_seen(tables: CountedTables | ContextTables) -> None:
         return
     names, unseen = tables.gaits.names, np.flatnonzero(tables.joint.marginal("Gait") == 0)
     if unseen.size:
-        raise DataError(f"gait {names[int(unseen[0])]!r} has no rows; babble it, or fit with a prior > 0")
+        seen = f"{len(names) - unseen.size} of {len(names)} gaits"
+        raise DataError(
+            f"gait {names[int(unseen[0])]!r} has no rows; babble it, or fit with a prior > 0 (there are {seen})"
+        )
     if isinstance(tables, ContextTables) and len(pairs := np.argwhere(tables.by_previous.pairs == 0)):
         before, gait = (names[i] for i in pairs[0])
         raise DataError(

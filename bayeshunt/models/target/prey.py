@@ -15,7 +15,7 @@ import pandas as pd
 
 from bayeshunt.core import displays, statistics
 from bayeshunt.core.bins import EFFECTS, EffectAxes
-from bayeshunt.core.checks import check_generator, check_whole
+from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_radians, check_whole
 from bayeshunt.core.errors import InputError, NothingObservedError
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
@@ -33,6 +33,8 @@ class PreyModel:
     """
 
     def __init__(self, axes: EffectAxes | None = None) -> None:
+        if axes is not None:
+            check_kind(axes, "axes", EffectAxes, "EffectAxes, for example EffectAxes.standard(body_length)")
         self.axes = axes if axes is not None else EffectAxes.standard(BODY_LENGTH)
         self._counts: dict[tuple[int, int, int], int] = {}
         self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
@@ -53,6 +55,9 @@ class PreyModel:
             raise InputError(
                 f"prey transition ({distance}, {angle}, {heading}): expected distance >= 0 and finite angles"
             )
+        if not (-FULL_TURN <= angle <= FULL_TURN and -FULL_TURN <= heading <= FULL_TURN):
+            check_radians(angle, "prey transition: angle")
+            check_radians(heading, "prey transition: heading")
         axes = self.axes
         if not distance < MAX_DISTANCE_BINS * axes.distance.width:
             raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.checks import check_kind, check_polar
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
@@ -101,7 +102,11 @@ class TurnModel:
 
     def learn(self, transitions: Iterable[Polar]) -> TurnModel:
         """Return a model that has also seen ``transitions`` (poses in the prey's own earlier frame)."""
-        seen = [(float(distance), float(heading)) for distance, _, heading in transitions]
+        check_kind(transitions, "transitions", Iterable, "Polars")
+        seen = []
+        for transition in transitions:
+            check_polar(transition, "transitions")
+            seen.append((float(transition.distance), float(transition.heading)))
         straight = [pair for pair in seen if abs(pair[1]) < self.threshold]
         turns = tuple(heading for _, heading in seen if abs(heading) >= self.threshold)
         return replace(

@@ -1,0 +1,69 @@
+"""Settings that can be right but hardly are: lengths in millimetres, times in milliseconds, turns in degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bayeshunt.config.schema import ExperimentSettings, PreySettings, RobotSettings
+from bayeshunt.core.errors import warn
+
+__all__ = ["warn_implausible"]
+
+#: More distance bins than this in one gait, and fewer than this part of a body, are no gait that a table can show.
+_MOST_BINS, _LEAST_BODIES = 1000, 0.05
+#: One length is hardly this many times another one of the same experiment.
+_TIMES = 1000.0
+#: A prey that turns faster than this [rad/s] turns in degrees.
+_FAST_TURN = 12.6
+
+
+def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) -> None:
+    """Issue a DataWarning of one line, with the fix, for the first setting that looks like one of other units."""
+    problems = _robot(settings, "") if isinstance(settings, RobotSettings) else _experiment(settings)
+    problem = next(problems, None)
+    if problem is not None:
+        warn(f"{source}: {problem}")
+
+
+def _experiment(settings: ExperimentSettings) -> Iterator[str]:
+    bin_width = settings.model.distance_bin
+    yield from _robot(settings.robot, "robot.", bin_width)
+    yield from _prey(settings.prey, settings.robot, bin_width)
+    body = settings.robot.body.diameter
+    for name, arena in settings.arenas.items():
+        for key in ("width", "height"):
+            if getattr(arena, key) > _TIMES * body:
+                yield _metres(f"arenas.{name}.{key}", getattr(arena, key), f"over {_TIMES:,.0f} body lengths")
+
+
+def _robot(robot: RobotSettings, prefix: str, bin_width: float = 0.1) -> Iterator[str]:
+    body, reach = robot.body, robot.top_speed * robot.gait_duration
+    if 0 < reach < _LEAST_BODIES * body.diameter:
+        yield _metres(f"{prefix}body.diameter", body.diameter, f"but no gait goes beyond {reach:.3g} m")
+    if reach > _MOST_BINS * bin_width * body.diameter:
+        yield (
+            f"{prefix}gait: {robot.top_speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; if "
+            "speeds are in mm/s or gait_duration is in ms, divide by 1000; else make model.distance_bin wider"
+        )
+    for key in ("axle", "wheelbase"):
+        if getattr(body, key) > _TIMES / 10 * body.diameter:
+            yield _metres(f"{prefix}body.{key}", getattr(body, key), f"but the body is {body.diameter:g} m")
+
+
+def _prey(prey: PreySettings, robot: RobotSettings, bin_width: float) -> Iterator[str]:
+    body = robot.body.diameter
+    if prey.speed * robot.gait_duration > _MOST_BINS * bin_width * body:
+        yield (
+            f"prey.speed: {prey.speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; "
+            f"if it is in mm/s, give {prey.speed / 1000:g}"
+        )
+    if not body / _TIMES < prey.body.diameter < _TIMES / 10 * body:
+        yield _metres("prey.body.diameter", prey.body.diameter, f"but the hunter's body is {body:g} m")
+    if prey.sensor_range > _TIMES * prey.body.diameter:
+        yield _metres("prey.sensor_range", prey.sensor_range, f"over {_TIMES:,.0f} body lengths")
+    if prey.turn_rate > _FAST_TURN:
+        yield f"prey.turn_rate: {prey.turn_rate:g} rad/s; if it is in degrees/s, multiply by pi / 180"
+
+
+def _metres(key: str, value: float, beside: str) -> str:
+    return f"{key}: {value:g} m, {beside}; if it is in millimetres, give {value / 1000:g}"
