@@ -39,7 +39,7 @@ def assess(
 
     Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png
     """
-    from bayeshunt.config.loading import load_robot
+    from bayeshunt.config.loading import load_robot, recorded_robot
     from bayeshunt.data import babbling_table
     from bayeshunt.models.assessment.assess import assess as run
     from bayeshunt.models.formats.interchange import open_model
@@ -48,6 +48,8 @@ def assess(
     frame = babbling_table.load(data)
     forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits
+    if gaits is None and forward is None:
+        gaits = recorded_robot(frame).gaits
     widths = (distance_bin, angle_bins, heading_bins)
     axes = _axes(frame, gaits, forward, widths)
     with terminal.progress_bar("assessing", None, quiet=quiet or as_json):

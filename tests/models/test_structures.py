@@ -17,6 +17,7 @@ import bayeshunt as bh
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import CountedCells, conditional, mutual_information
+from bayeshunt.models.formats import xmlbif
 from bayeshunt.models.formats.model_file import dumps
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.structures import JOINT, NAIVE, bic, find_structure, search_structure, tree_augmented
@@ -314,9 +315,11 @@ def test_xmlbif_carries_the_structure(tmp_path: Path) -> None:
     model.to_xmlbif(tmp_path / "model.xmlbif")
     read = XMLBIFReader(str(tmp_path / "model.xmlbif")).get_model()
     assert set(read.edges()) == set(model.structure.edges)
-    found = VariableElimination(read).query(["Gait"], evidence={"Distance": "d1", "Angle": "a2"}, show_progress=False)
+    names = {variable: list(labels) for variable, labels in xmlbif.safe_labels(model).items()}
+    evidence = {"Distance": names["Distance"][1], "Angle": names["Angle"][2]}
+    found = VariableElimination(read).query(["Gait"], evidence=evidence, show_progress=False)
     values = model.evidence(1, 2)
-    order = [found.state_names["Gait"].index(f"g{i}") for i in range(3)]
+    order = [found.state_names["Gait"].index(name) for name in names["Gait"]]
     np.testing.assert_allclose(found.values[order], values / values.sum(), atol=1e-12)
 
 

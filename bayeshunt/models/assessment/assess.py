@@ -18,15 +18,25 @@ import pandas as pd
 from bayeshunt.config.loading import recorded_robot
 from bayeshunt.core import displays
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.checks import check_whole
-from bayeshunt.core.errors import InputError, did_you_mean
+from bayeshunt.core.checks import check_kind, check_pseudo_count, check_whole
+from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.data import babbling_table
+from bayeshunt.files.parquet import PROVENANCE_KEY
 from bayeshunt.models.assessment import scores
 from bayeshunt.models.assessment.independence import independence
-from bayeshunt.models.assessment.rows import CodedRows
+from bayeshunt.models.assessment.rows import CodedRows, set_aside
 from bayeshunt.models.assessment.structures import compare
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, STRUCTURES, Structure, depends_on_previous
+from bayeshunt.models.tables.effects import check_size
+from bayeshunt.models.tables.structures import (
+    NAIVE,
+    PREVIOUS,
+    STRUCTURES,
+    Structure,
+    depends_on_previous,
+    find_structure,
+)
 
 #: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.
 PRIOR = 0.03
@@ -36,7 +46,7 @@ PRIOR = 0.03
 class Assessment:
     """How good a forward model is on a babbling table. Log-losses are natural, in nats per row.
 
-    settings: rows, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
+    settings: rows scored, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
     variables: per effect, held-out log_loss and brier, both also for a forecast that ignores the gait.
     reliability: per variable and bin of the forecast: count, mean forecast, share observed.
     gaits: held-out accuracy, log_loss and brier of P(Gait | Distance, Angle), the inverse model, and
@@ -104,15 +114,18 @@ def assess(
     prior: Dirichlet pseudo-count per cell of every table that is fitted here, >= 0.
     axes: bins; by default the model's or ``EffectAxes.standard``. Coarser bins make sparse structures
         comparable; log-losses of different bins are not.
-    structures: compared with "naive"; by default all that the table allows.
+    structures: names, compared with "naive"; by default all that the table allows.
     permutations: shuffles of each independence test, >= 1.
 
-    Raises DataError for a table that is not one, InputError for settings out of range.
+    A single row absurdly far out is left out and named in ``notes``, as is a structure whose tables would be too
+    large. Raises DataError for a table that is not one, InputError for settings out of range.
     """
-    _check(model, axes, seed, prior, permutations)
+    _check(model, axes, seed, prior, permutations, structures)
+    babbling_table.validate(frame)
     repertoire = _repertoire(frame, gaits, model)
     grid = axes or (model.axes if model is not None else EffectAxes.standard(repertoire.body_length))
-    rows = CodedRows.of(frame, repertoire, grid)
+    scored, aside = set_aside(frame, grid)
+    rows = CodedRows.of(scored, repertoire, grid)
     if model is not None and depends_on_previous(model.structure) and not rows.has_previous:
         raise InputError("the model depends on the gait before, and the table has no column previous_gait")
     others, notes = _others(rows, structures)
@@ -124,7 +137,7 @@ def assess(
     predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
     return Assessment(
         settings={
-            "rows": len(frame), "folds": int(folds), "seed": int(seed), "prior": float(prior),
+            "rows": len(scored), "folds": int(folds), "seed": int(seed), "prior": float(prior),
             "permutations": int(permutations), "bins": {axis.name: axis.bins for axis in rows.axes},
             "structure": structure.name,
         },
@@ -136,7 +149,7 @@ def assess(
         structures=comparison,
         found=found,
         given=None if model is None else _given(model, frame, rows),
-        notes=tuple(notes),
+        notes=(*aside, *notes),
     )  # fmt: skip
 
 
@@ -188,7 +201,11 @@ def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
     if gaits is not None:
         return GaitRepertoire.of(gaits)
-    return model.gaits if model is not None else recorded_robot(frame).gaits
+    if model is not None:
+        return model.gaits
+    if "robot" not in frame.attrs.get(PROVENANCE_KEY, {}):
+        raise InputError("the table does not say which robot made it; give its gaits: assess(frame, robot.gaits)")
+    return recorded_robot(frame).gaits
 
 
 def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str], list[str]]:
@@ -198,20 +215,36 @@ def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str
             raise InputError(f"unknown structure {name!r}{did_you_mean(name, STRUCTURES)}")
     if structures is not None and "previous_gait" in structures and not rows.has_previous:
         raise InputError("structure 'previous_gait': the table has no column previous_gait")
-    wanted = [name for name in STRUCTURES if name != "naive" and (structures is None or name in structures)]
-    if rows.has_previous:
-        return wanted, []
-    kept = [name for name in wanted if name != "previous_gait"]
-    return kept, ["The table does not say which gait went before, so previous_gait is left out."]
+    kept, notes = [name for name in STRUCTURES if name != "naive" and (structures is None or name in structures)], []
+    if not rows.has_previous:
+        kept = [name for name in kept if name != "previous_gait"]
+        notes.append("The table does not say which gait went before, so previous_gait is left out.")
+    if structures is not None:
+        return kept, notes
+    counted = rows.count()
+    for name in [name for name in kept if name != "learned"]:  # whose search looks at tables of all sizes
+        try:
+            check_size(find_structure(name, counted), counted)
+        except InputError as error:
+            kept.remove(name)
+            notes.append(f"{name} is left out: {error}.")
+    return kept, notes
 
 
-def _check(model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior: Any, permutations: Any) -> None:
+def _check(
+    model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior: Any, permutations: Any, structures: Any
+) -> None:
+    if model is not None:
+        check_kind(model, "model", ForwardModel, "a ForwardModel")
+    if axes is not None:
+        check_kind(axes, "axes", EffectAxes, "an EffectAxes, such as EffectAxes.standard(0.057)")
+    if structures is not None and (isinstance(structures, str) or not isinstance(structures, Sequence)):
+        raise InputError(f"structures: expected a list of names, such as ['tan'], got {shown(structures)}")
     if model is not None and axes is not None:
         raise InputError("give a model or axes, not both: the model brings its own bins")
     for name, value, least in (("seed", seed, 0), ("permutations", permutations, 1)):
         check_whole(value, name, least)
-    if isinstance(prior, bool) or not isinstance(prior, (int, float, np.number)) or not 0 <= prior < math.inf:
-        raise InputError(f"prior: expected a finite pseudo-count >= 0, got {prior!r}")
+    check_pseudo_count(prior, "prior")
 
 
 def _plain(value: Any) -> Any:

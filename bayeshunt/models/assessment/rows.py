@@ -12,10 +12,15 @@ from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS
 
 #: State of PreviousGait in a row that no gait went before.
 NO_GAIT = "(none)"
+#: A row this many times as far out as nine tenths of the rows is no outcome of a gait, if it is beyond so many bins.
+_GLITCH, _GLITCH_BINS = 10.0, 100
+#: Forecasts of more rows x distance bins than this (512 MB) are refused rather than allocated.
+_MOST_FORECASTS = 1 << 26
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +40,7 @@ class CodedRows:
     def of(cls, frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes) -> CodedRows:
         """Discretise a babbling table; raises DataError if it is not one, or if a gait before is unknown."""
         babbling_table.validate(frame, gaits.names)
+        _check_reach(frame, axes)
         codes = babbling_table.discretise(frame, gaits, axes)
         axes = axes.extended(int(codes[:, 1].max()) + 1)
         has_previous = "previous_gait" in frame.columns and bool(frame["previous_gait"].notna().any())
@@ -70,14 +76,49 @@ class CodedRows:
     def folds(self, number: int, rng: np.random.Generator) -> np.ndarray:
         """Return the fold [N] of each row, 0 to ``number - 1``: at random, each gait spread evenly.
 
-        Raises InputError unless 2 <= number <= rows.
+        Raises InputError unless 2 <= number <= rows; DataError for a single row.
         """
+        if len(self.codes) < 2:
+            raise DataError("the table has one row; a held-out score needs two: one to learn from, one to predict")
         if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or not 2 <= number <= len(self.codes):
             raise InputError(f"folds: expected a whole number from 2 to {len(self.codes)} (the rows), got {number!r}")
         order = np.lexsort((rng.random(len(self.codes)), self.column("Gait")))
         fold = np.empty(len(order), dtype=np.int64)
         fold[order] = np.arange(len(order)) % number
         return fold
+
+
+def set_aside(frame: pd.DataFrame, axes: EffectAxes) -> tuple[pd.DataFrame, list[str]]:
+    """Return the rows that can be scored, and what to say of those that cannot: single rows absurdly far out.
+
+    One such row makes the distance axis, and every table with it, as long as itself. Fewer than two rows are
+    never left.
+    """
+    distances = frame["distance"].to_numpy(dtype=float)
+    usual = float(np.quantile(distances, 0.9, method="lower"))
+    far = distances > max(_GLITCH * usual, _GLITCH_BINS * axes.distance.width)
+    if not far.any() or (~far).sum() < 2:
+        return frame, []
+    rows = np.flatnonzero(far).tolist()
+    listed = ", ".join(map(str, rows[:5])) + (f" and {len(rows) - 5} more" if len(rows) > 5 else "")
+    which, them = ("Row {} is", "it") if len(rows) == 1 else ("Rows {} are", "them")
+    said = (
+        f"{which.format(listed)} left out: {distances.max():g} m away, where nine tenths of the rows end within "
+        f"{usual:.3g} m; correct or drop {them}."
+    )
+    return frame[~far], [said]
+
+
+def _check_reach(frame: pd.DataFrame, axes: EffectAxes) -> None:
+    """Raise DataError if the farthest row would make the forecasts too large to hold."""
+    distances = frame["distance"].to_numpy(dtype=float)
+    row = int(distances.argmax())
+    bins = distances[row] / axes.distance.width
+    if bins >= MAX_DISTANCE_BINS or bins * len(frame) > _MOST_FORECASTS:
+        raise DataError(
+            f"row {row}: distance is {distances[row]:g} m, {bins:,.0f} distance bins of {axes.distance.width:g} m; "
+            "too many to score: give wider bins (axes), or correct the row"
+        )
 
 
 def _previous(names: pd.Series, gaits: GaitRepertoire) -> np.ndarray:

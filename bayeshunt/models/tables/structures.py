@@ -17,7 +17,13 @@ import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import InputError, did_you_mean
-from bayeshunt.models.counting.cells import CountedCells, log_likelihood, mutual_information, parameters
+from bayeshunt.models.counting.cells import (
+    MAX_TABLE_CELLS,
+    CountedCells,
+    log_likelihood,
+    mutual_information,
+    parameters,
+)
 
 #: The gait executed just before: a second cause, because momentum carries over.
 PREVIOUS = "PreviousGait"
@@ -145,6 +151,8 @@ def search_structure(table: CountedCells) -> Structure:
 
     The candidates for parents are all variables of ``table``; Gait and PreviousGait may have none.
     """
+    if len(table.counts) < 2:  # all rows alike: nothing depends on anything, and pgmpy refuses a single sample
+        return Structure("learned", ())
     from pgmpy.causal_discovery import ExpertKnowledge, HillClimbSearch
 
     # Variables go by number: pgmpy walks through sets, and the order of strings in a set is random.
@@ -178,6 +186,8 @@ def _counted_bic(table: CountedCells, cells: pd.DataFrame) -> object:
             super().__init__(cells)
 
         def _local_score(self, variable: int, parents: tuple[int, ...]) -> float:
+            if math.prod(table.sizes[v] for v in (variable, *parents)) > MAX_TABLE_CELLS:
+                return -math.inf  # a table that nobody could hold is never chosen
             return bic(table, table.names[variable], tuple(table.names[p] for p in parents))
 
     return CountedBIC()
