@@ -35,8 +35,9 @@ from bayeshunt.core.errors import ConfigError, InputError
 def sweep(
     axis: Annotated[
         list[str] | None,
-        typer.Option(help="What to vary (default: speed_ratio): speed_ratio, gait_duration, noise, babbling_steps, "
-                     "gaits, max_transitions or a key such as prey.speed; NAME, or NAME=VALUE,VALUE,... "
+        typer.Option(help="What to vary (default: speed_ratio): speed_ratio, gait_duration, noise, slip, "
+                     "babbling_steps, gaits, max_transitions or a key such as prey.speed; NAME, or NAME=VALUE,VALUE, "
+                     "with values such as 0.05, or +5% of the settings' own. "
                      "May be given several times."),
     ] = None,
     grid: Annotated[Path | None, typer.Option(help="Your own grid: a TOML file with NAME = [VALUES].")] = None,

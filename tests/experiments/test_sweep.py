@@ -35,6 +35,13 @@ def settings():
         ("speed_ratio", 0.5, lambda s: s.prey.speed, 0.0288),
         ("gait_duration", 1.664, lambda s: s.robot.gait_duration, 1.664),
         ("noise", 0.5, lambda s: (s.robot.noise.slip, s.prey.noise.drift_sd), (0.05, 0.0125)),
+        ("slip", 0.05, lambda s: (s.robot.noise.slip, s.prey.noise.slip, s.prey.noise.drift_sd), (0.05, 0.05, 0.025)),
+        ("speed_ratio", "+25%", lambda s: s.prey.speed, 0.06),
+        ("gait_duration", "-50%", lambda s: s.robot.gait_duration, 1.664),
+        ("noise", "-50%", lambda s: (s.robot.noise.slip, s.prey.noise.drift_sd), (0.05, 0.0125)),
+        ("babbling_steps", "+1.5%", lambda s: s.model.babbling_steps, 304),
+        ("arenas.walled.width", "+5%", lambda s: (s.arenas["walled"].width, s.arenas["walled"].height), (1.26, 1.2)),
+        ("protocol.catch_distance", "+0%", lambda s: s.protocol.catch_distance, 1.02),
         ("babbling_steps", 50, lambda s: s.model.babbling_steps, 50),
         ("gaits", 3, lambda s: s.robot.gaits.names, ("straight", "wide right", "wide left")),
         ("max_transitions", 2, lambda s: s.planner["planning"]["max_transitions"], 2),
@@ -49,6 +56,12 @@ def test_an_axis_changes_what_it_names(settings, axis, value, key, expected):
         assert key(point) == {**settings.planner["planning"], "depth": value}
     else:
         assert key(point) == pytest.approx(expected) if not isinstance(expected, tuple) else key(point) == expected
+
+
+@pytest.mark.parametrize("axis", ["prey.behaviour", "prey.senses_hunter", "gaits", "protocol.thetas", "prey.sped"])
+def test_a_change_of_what_is_no_number(settings, axis):
+    with pytest.raises(InputError, match="changes a number, and there is none"):
+        at_point(settings, {axis: "+5%"})
 
 
 def test_every_named_axis_has_values_that_work(settings):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,6 +27,7 @@ AXES: dict[str, tuple[str, tuple[float, ...]]] = {
     "speed_ratio": ("prey speed / hunter's top speed", (0.5, 0.6, 0.7, 0.8, 0.833, 0.9, 1.0, 1.1, 1.2, 1.3)),
     "gait_duration": ("time-step [s]", (0.832, 1.664, 2.496, 3.328, 4.992)),
     "noise": ("actuator noise, as a multiple of the settings'", (0.0, 0.5, 1.0, 1.5, 2.0)),
+    "slip": ("slip of both robots, half-width [share]", (0.0, 0.05, 0.10, 0.15)),
     "babbling_steps": ("gaits babbled", (50, 100, 200, 500, 1000, 2000, 5000)),
     "gaits": ("gaits, the first so many of the robot's", (3, 5, 7, 8, 10)),
     "max_transitions": ("most changes of gait in a plan", (0, 1, 2)),
@@ -35,6 +38,9 @@ COLUMNS = (
     "planner", "arena", "runs", "caught", "success", "ci_low", "ci_high", "mean_time_s", "mean_time_s_low",
     "mean_time_s_high",
 )  # fmt: skip
+
+#: A value that is a change of the settings' own.
+_CHANGE = re.compile(r"[+-]\d+(\.\d+)?%")
 
 Grid = Mapping[str, Sequence[Any]]
 
@@ -54,8 +60,8 @@ def sweep(
     """Evaluate every combination of the grid's values and return one row per point, planner and arena.
 
     grid: axis -> values; an axis is one of :data:`AXES` or a dotted key of the settings ("prey.speed").
-        By default the speed ratio. The robot babbles and learns anew wherever the point changes its body,
-        its gaits or its babbling.
+        By default the speed ratio. A value may be a change of the experiment's own: "+5%", "-2%". The robot
+        babbles and learns anew wherever the point changes its body, its gaits or its babbling.
     runs, seed, jobs, planners, arenas: as in :func:`bayeshunt.evaluate`.
     out: folder in which the hunts of every point are kept, so that a sweep that was stopped goes on.
 
@@ -117,7 +123,7 @@ def at_point(settings: ExperimentSettings, values: Mapping[str, Any], runs: int 
     """Return the settings at one point of a grid."""
     overrides: dict[str, Any] = {} if runs is None else {"protocol.runs": runs}
     for axis, value in values.items():
-        overrides.update(_meaning(axis)(settings, value))
+        overrides.update(_meaning(axis)(settings, _changed(settings, axis, value)))
     return load_experiment(settings, overrides)
 
 
@@ -127,6 +133,7 @@ def _meaning(axis: str) -> Callable[[ExperimentSettings, Any], dict[str, Any]]:
         "speed_ratio": lambda s, v: {"prey.speed": _number(axis, v, 0.0) * s.robot.top_speed},
         "gait_duration": lambda s, v: {"robot.gait_duration": v},
         "noise": _scale_noise,
+        "slip": lambda s, v: {"robot.noise.slip": v, "prey.noise.slip": v},
         "babbling_steps": lambda s, v: {"model.babbling_steps": v},
         "gaits": _first_gaits,
         "max_transitions": lambda s, v: {"planner.planning.max_transitions": v},
@@ -136,6 +143,29 @@ def _meaning(axis: str) -> Callable[[ExperimentSettings, Any], dict[str, Any]]:
     if axis.partition(".")[0] not in ExperimentSettings.model_fields:
         raise InputError(f"sweep: unknown axis {axis!r}; expected one of {', '.join(AXES)} or a key like prey.speed")
     return lambda s, v: {axis: v}
+
+
+def _changed(settings: ExperimentSettings, axis: str, value: Any) -> Any:
+    """The value itself, or what a change such as "+5%" makes of the settings' own."""
+    if not isinstance(value, str) or not _CHANGE.fullmatch(value):
+        return value
+    own: Any = {
+        "speed_ratio": settings.prey.speed / settings.robot.top_speed,
+        "gait_duration": settings.robot.gait_duration,
+        "noise": 1.0,
+        "slip": settings.robot.noise.slip,
+        "babbling_steps": settings.model.babbling_steps,
+    }.get(axis)
+    if own is None:
+        own = functools.reduce(_inside, axis.split("."), settings.model_dump())
+    if isinstance(own, bool) or not isinstance(own, (int, float)):
+        raise InputError(f"sweep: {axis}: {value!r} changes a number, and there is none to change")
+    changed = own * (1 + float(value[:-1]) / 100)
+    return round(changed) if isinstance(own, int) else changed
+
+
+def _inside(group: Any, name: str) -> Any:
+    return group.get(name) if isinstance(group, dict) else None
 
 
 def _scale_noise(settings: ExperimentSettings, value: Any) -> dict[str, Any]:
