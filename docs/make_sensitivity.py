@@ -31,6 +31,7 @@ AXES: dict[str, tuple[str, tuple[object, ...]]] = {
     "prey.senses_hunter": ("prey senses the hunter", (False,)),
     "protocol.hunter_theta": ("start turned, rad", (-0.0349, 0.0349)),
     "protocol.hunter_x": ("start ahead, m", (-0.005, 0.005)),
+    "protocol.hunter_y": ("start to the left, m", (-0.004, 0.004)),
 }
 #: What is evaluated where: all of which something was published.
 ROWS = {"walled": ("reactive", "prediction"), "open": ("prediction", "planning")}
