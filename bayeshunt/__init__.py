@@ -32,7 +32,9 @@ if TYPE_CHECKING:
     from bayeshunt.core.geometry import Polar, Pose, wrap
     from bayeshunt.data.babbling_table import load as load_dataset
     from bayeshunt.data.babbling_table import save_dataset
+    from bayeshunt.data.logs import read_log
     from bayeshunt.data.readers.registry import register_reader
+    from bayeshunt.data.segmenting import gaits_from_log, gaits_from_windows
     from bayeshunt.data.track_report import track_report
     from bayeshunt.data.tracks import read_tracks, tracks
     from bayeshunt.data.transitions import transitions
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     from bayeshunt.experiments.studies.tradeoff import tradeoff
     from bayeshunt.models.arena.rooms import RoomModel
     from bayeshunt.models.assessment.assess import Assessment, assess
+    from bayeshunt.models.assessment.prey_scores import score_prey
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.inverse import InverseModel
     from bayeshunt.models.formats.interchange import read_network as import_network
@@ -72,6 +75,9 @@ _HOMES = {
     "load_dataset": ("bayeshunt.data.babbling_table", "load"),
     "save_dataset": ("bayeshunt.data.babbling_table", "save_dataset"),
     **{name: ("bayeshunt.data.tracks", name) for name in ("read_tracks", "tracks")},
+    "read_log": ("bayeshunt.data.logs", "read_log"),
+    **{name: ("bayeshunt.data.segmenting", name) for name in ("gaits_from_log", "gaits_from_windows")},
+    "score_prey": ("bayeshunt.models.assessment.prey_scores", "score_prey"),
     "register_reader": ("bayeshunt.data.readers.registry", "register_reader"),
     "track_report": ("bayeshunt.data.track_report", "track_report"),
     "transitions": ("bayeshunt.data.transitions", "transitions"),

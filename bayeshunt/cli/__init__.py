@@ -18,6 +18,7 @@ from bayeshunt.cli import report  # noqa: F401  isort: skip
 from bayeshunt.cli import figures  # noqa: F401  isort: skip
 from bayeshunt.cli import sweeps  # noqa: F401  isort: skip
 from bayeshunt.cli import prepared  # noqa: F401  isort: skip
+from bayeshunt.cli import prey  # noqa: F401  isort: skip
 from bayeshunt.cli import catalogue  # noqa: F401  isort: skip
 from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app

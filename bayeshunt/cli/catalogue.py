@@ -1,8 +1,7 @@
-"""planners, robots, prey, presets: what there is to choose from."""
+"""planners, robots, presets: what there is to choose from."""
 
 from __future__ import annotations
 
-import inspect
 import json
 from typing import Annotated, Any
 
@@ -68,25 +67,6 @@ def robots(
         return
     note = "Show one, or start your own from it: bayeshunt robots NAME [--toml]. Every key: bayeshunt settings robot"
     catalogue.names_table(("robot", "drive", "gaits", "what it is"), rows, [note])
-
-
-@app.command(short_help="List the behaviours a prey may have.")
-def prey(as_json: Json = False) -> None:
-    """List the behaviours a prey may have; --plugin adds your own.
-
-    Example:  bayeshunt evaluate --set prey.behaviour=evader
-    """
-    from bayeshunt.views.terminal import catalogue
-    from bayeshunt.worlds.prey.behaviours import behaviours
-
-    said = {name: (inspect.getdoc(made) or "").split("\n\n")[0] for name, made in behaviours().items()}
-    rows = [(name, text.replace("\n", " ")) for name, text in said.items()]
-    if as_json:
-        typer.echo(json.dumps([{"behaviour": name, "description": text} for name, text in rows]))
-        return
-    notes = ["Choose one: --set prey.behaviour=NAME, or behaviour = \"NAME\" under [prey] in a settings file.",
-             "What else a prey can be set to: the keys prey.* of bayeshunt settings"]  # fmt: skip
-    catalogue.names_table(("behaviour", "what it does"), rows, notes)
 
 
 @app.command(short_help="List the experiments that ship, or show one.")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import os
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,21 @@ import pandas as pd
 from bayeshunt.core import displays, statistics
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_radians, check_whole
-from bayeshunt.core.errors import InputError, NothingObservedError
+from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedError
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
+from bayeshunt.data.transitions import validate_transitions
+from bayeshunt.files.records import RecordKind
 from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, default_axes
+from bayeshunt.models.target.speed_table import BACKOFF, cell_codes
+
+__all__ = ["BODY_LENGTH", "PREY_FILES", "PreyModel"]
 
 #: Body length [m] of the default distance bins: a Khepera.
 BODY_LENGTH = 0.057
+#: Files of prey models: format 2 has room for conditions.
+PREY_FILES = RecordKind("bayeshunt prey model", "bayeshunt prey fit tracks.parquet", versions=(1, 2))
+_EFFECT_COLUMNS = ("distance", "angle", "heading")
 #: Sums are whole numbers of 2**-60, so that the order of observations cannot change a bit.
 _UNIT = 1 << 60
 
@@ -30,12 +40,14 @@ class PreyModel:
     """Joint counts of (Distance, Angle, Heading) transitions; mutable: :meth:`observe` adds one.
 
     axes: bins; the distance grid is open-ended. Default ``EffectAxes.standard(0.057)``.
+    conditions: what the prey's next steps depend on besides, see :meth:`fit`; None: nothing, as in the paper.
     """
 
-    def __init__(self, axes: EffectAxes | None = None) -> None:
+    def __init__(self, axes: EffectAxes | None = None, *, conditions: Conditions | None = None) -> None:
         if axes is not None:
             check_kind(axes, "axes", EffectAxes, "EffectAxes, for example EffectAxes.standard(body_length)")
         self.axes = axes if axes is not None else EffectAxes.standard(BODY_LENGTH)
+        self.conditions = conditions
         self._counts: dict[tuple[int, int, int], int] = {}
         self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
         self._observations = 0
@@ -63,11 +75,89 @@ class PreyModel:
             raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")
         self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), 1)
 
+    @classmethod
+    def fit(
+        cls,
+        transitions: pd.DataFrame,
+        given: str | None = None,
+        residual_of: str | None = None,
+        *,
+        axes: EffectAxes | None = None,
+        backoff: float = BACKOFF,
+    ) -> PreyModel:
+        """Learn from a table of transitions (:func:`bayeshunt.transitions`); equal to :meth:`update` in any split.
+
+        given: "speed": transitions are also counted by class of the prey's own speed the step before, each backed off
+            to like speeds; None: not. residual_of: "constant_velocity": what that misses is also counted over whole
+            futures, by class of the path seen; None: not.
+        axes: bins; by default a twentieth of the table's typical step, and 120 bins of a turn (36 without ``given``).
+        backoff: weight [transitions] of like speeds, and of coarser classes of paths.
+
+        Raises DataError if the table is none or lacks what is asked for, InputError for an unknown motion or context.
+        """
+        validate_transitions(transitions, conditioned=given is not None)
+        conditions = Conditions.of(transitions, given, residual_of, axes, backoff)
+        grid = axes if axes is not None else default_axes(transitions, fine=given is not None)
+        return cls(grid, conditions=conditions).update(transitions)
+
+    def update(self, transitions: pd.DataFrame) -> PreyModel:
+        """Count a table of transitions too, in place, and return this model: the order and the split change no bit."""
+        validate_transitions(transitions, conditioned=self.conditions is not None)
+        for cell, count in binned(transitions, self.axes):
+            self._add(cell, count)
+        if self.conditions is not None:
+            self.conditions.update(transitions)
+        return self
+
+    def futures(
+        self, seen: FloatArray, steps: int, n: int, *, rng: np.random.Generator, headings: FloatArray | None = None
+    ) -> FloatArray:
+        """Return complex [N, n, steps]: places x + i y that may follow the places ``seen``, complex [N, T], one a step.
+
+        headings: of the body at present [N], rad counter-clockwise, where the table was counted with them. Without
+        conditions, every step is drawn from all transitions. Raises NothingObservedError before the first.
+        """
+        check_whole(steps, "steps", 1)
+        check_whole(n, "n", 1)
+        check_generator(rng)
+        self._check_seen()
+        if self.conditions is not None and not self.conditions.is_empty:
+            return self.conditions.futures(np.asarray(seen), steps, n, rng=rng, headings=headings)
+        drawn = self.sample_paths(steps, n * len(seen), rng=rng)
+        ahead = (drawn.forward - 1j * drawn.right)[:, 1:].reshape(len(seen), n, steps)
+        return ahead_of(np.asarray(seen), ahead, headings)
+
+    def log_likelihood(self, transitions: pd.DataFrame) -> float:
+        """Return the sum over rows of log P(Distance, Angle, Heading | speed class), natural log.
+
+        Cells that were never seen share one transition's worth of probability. Without ``given``, P is that of all.
+        Raises NothingObservedError before the first observation.
+        """
+        validate_transitions(transitions, conditioned=self.conditions is not None)
+        self._check_seen()
+        seen = np.zeros(len(transitions))
+        codes = cell_codes(self.axes, *(transitions[name].to_numpy(dtype=float) for name in _EFFECT_COLUMNS))
+        cells, counts = self._table()
+        known = cells @ np.array([self.axes.angle.bins * self.axes.heading.bins, self.axes.heading.bins, 1])
+        at = np.searchsorted(known, codes).clip(max=len(known) - 1)
+        seen = np.where(known[at] == codes, counts[at] / self._observations, 0.0)
+        if self.conditions is not None and self.conditions.speed is not None:
+            before = transitions["speed"].to_numpy(dtype=float) * self.conditions.time_step
+            told = np.isfinite(before)
+            seen[told] = self.conditions.speed.probabilities(before[told], codes[told])
+        far = max(int(cells[:, 0].max()) + 1, self.axes.distance.bins)
+        spread = 1.0 / (far * self.axes.angle.bins * self.axes.heading.bins)
+        return float(np.log((seen * self._observations + spread) / (self._observations + 1.0)).sum())
+
     def merge(self, other: PreyModel) -> PreyModel:
-        """Return a new model that has seen what both have seen; raises InputError if bins differ."""
+        """Return a new model that has seen what both have seen; raises InputError if bins or conditions differ."""
         if other.axes != self.axes:
             raise InputError("cannot join prey models with different bins")
         merged = self.copy()
+        if merged.conditions is not None or other.conditions is not None:
+            if merged.conditions is None or other.conditions is None:
+                raise InputError("cannot join a prey model with conditions and one without")
+            merged.conditions.merge(other.conditions)
         for cell, count in other._counts.items():
             merged._add(cell, count)
         return merged
@@ -76,6 +166,7 @@ class PreyModel:
         """Return an independent model with the same counts."""
         twin = PreyModel(self.axes)
         twin._counts, twin._sums, twin._observations = dict(self._counts), self._sums, self._observations
+        twin.conditions = None if self.conditions is None else self.conditions.copy()
         return twin
 
     # --- tables -------------------------------------------------------------------------------
@@ -150,6 +241,23 @@ class PreyModel:
 
     # --- storing ------------------------------------------------------------------------------
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as checksummed JSON: bins, counts and conditions; the file is replaced atomically."""
+        extra = {} if self.conditions is None else {"conditions": self.conditions.to_dict()}
+        PREY_FILES.save({**self.to_dict(), **extra}, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> PreyModel:
+        """Read a model written by :meth:`save`; raises ModelFileError in one clear line."""
+        _, content = PREY_FILES.load(path)
+        try:
+            model = cls.from_dict(content)
+            stored = content.get("conditions")
+            model.conditions = None if stored is None else Conditions.from_dict(stored, model.axes)
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
+            raise ModelFileError(f"{os.fspath(path)}: malformed content ({str(error).splitlines()[0]})") from None
+        return model
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers for JSON: bins and [distance, angle, heading, count] rows in order."""
         return {
@@ -180,7 +288,7 @@ class PreyModel:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PreyModel):
             return NotImplemented
-        return self.axes == other.axes and self._counts == other._counts
+        return self.axes == other.axes and self._counts == other._counts and self.conditions == other.conditions
 
     __hash__ = None  # type: ignore[assignment]  # mutable
 

@@ -1,0 +1,130 @@
+"""prey: the behaviours of simulated prey; models of recorded ones, fitted and scored."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import shlex
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from bayeshunt.cli.app import app
+from bayeshunt.cli.options import Json, Seed, tell
+from bayeshunt.cli.outputs import out_file
+from bayeshunt.core.errors import InputError
+
+prey = typer.Typer(rich_markup_mode=None, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(prey, name="prey", short_help="List the behaviours of prey; fit and score models of recorded prey.")
+
+_NONE = "none"
+
+
+@prey.callback(invoke_without_command=True)
+def behaviours_of_prey(context: typer.Context, as_json: Json = False) -> None:
+    """List the behaviours a prey may have; --plugin adds your own.
+
+    Example:  bayeshunt evaluate --set prey.behaviour=evader
+    """
+    if context.invoked_subcommand is not None:
+        return
+    from bayeshunt.views.terminal import catalogue
+    from bayeshunt.worlds.prey.behaviours import behaviours
+
+    said = {name: (inspect.getdoc(made) or "").split("\n\n")[0] for name, made in behaviours().items()}
+    rows = [(name, text.replace("\n", " ")) for name, text in said.items()]
+    if as_json:
+        typer.echo(json.dumps([{"behaviour": name, "description": text} for name, text in rows]))
+        return
+    notes = ["Choose one: --set prey.behaviour=NAME, or behaviour = \"NAME\" under [prey] in a settings file.",
+             "What else a prey can be set to: the keys prey.* of bayeshunt settings"]  # fmt: skip
+    catalogue.names_table(("behaviour", "what it does"), rows, notes)
+
+
+@prey.command("fit", short_help="Fit a prey model to recorded tracks.")
+def fit_prey(
+    files: Annotated[list[Path], typer.Argument(help="Tracks made by bayeshunt ingest tracks.", show_default=False)],
+    out: Annotated[Path, out_file("Prey model (JSON) to write.", "prey models", ".json")],
+    time_step: Annotated[float | None, typer.Option(help="Seconds of one transition; default: those of a row.")] = None,
+    standing: Annotated[float | None, typer.Option(help="Slower than this [m/s] is standing.")] = None,
+    given: Annotated[str, typer.Option(help="Transitions by this too: speed, or none.")] = "speed",
+    residual_of: Annotated[str, typer.Option(help="Count what this misses: constant_velocity, stands or none.")] = (
+        "constant_velocity"
+    ),
+    seen: Annotated[int, typer.Option(help="Places that are known, the present one included.")] = 8,
+    steps: Annotated[int, typer.Option(help="Places that are foreseen at once.")] = 12,
+    as_json: Json = False,
+) -> None:
+    """Fit a model of how recorded people or animals move.
+
+    Example:  bayeshunt prey fit tracks.parquet --out prey.json
+    """
+    from bayeshunt.data.transitions import transitions
+    from bayeshunt.models.target.prey import PreyModel
+
+    rows = transitions(_tracks(files), time_step, standing, seen=seen, steps=steps)
+    model = PreyModel.fit(rows, _or_none(given), _or_none(residual_of))
+    model.save(out)
+    step = float(rows["time_step"].iloc[0])
+    facts = {
+        "out": str(out), "transitions": model.observations, "time_step": step, "cells": len(model.counts),
+        "given": _or_none(given), "residual_of": _or_none(residual_of),
+    }  # fmt: skip
+    following = f"bayeshunt prey score {shlex.quote(str(out))} --on OTHER.parquet"
+    counted = f"{out}: {model.observations} transitions of {step:g} s in {facts['cells']} cells"
+    tell(facts, as_json, f"{counted}; they overlap where rows are closer than that\nnext: {following}")
+
+
+@prey.command("score", short_help="Score a prey model on other tracks, beside baselines.")
+def score(
+    model: Annotated[
+        Path | None, typer.Argument(help="Prey model made by prey fit; without it, models are fitted to folds.")
+    ] = None,
+    on: Annotated[list[Path] | None, typer.Option("--on", help="Tracks to score on; may be repeated.")] = None,
+    time_step: Annotated[float | None, typer.Option(help="Seconds a step; default: the model's, or a row's.")] = None,
+    seen: Annotated[int, typer.Option(help="Places that are known.")] = 8,
+    steps: Annotated[int, typer.Option(help="Places that are foreseen.")] = 12,
+    split: Annotated[str, typer.Option(help="What is held out: individual, scene or time.")] = "individual",
+    seed: Seed = 0,
+    out: Annotated[Path | None, out_file("Write the table as CSV.", "tables of scores", ".csv")] = None,
+    as_json: Json = False,
+) -> None:
+    """Score forecasts: error, best of 20, energy, density and coverage, beside standing still and constant velocity.
+
+    Example:  bayeshunt prey score prey.json --on other.parquet;  bayeshunt prey score --on all.parquet --split scene
+    """
+    from bayeshunt.files.atomic import write_text
+    from bayeshunt.models.assessment.prey_scores import score_prey
+    from bayeshunt.models.target.prey import PreyModel
+    from bayeshunt.views.terminal.prey_scores import scores_table
+
+    if not on:
+        raise InputError("prey score: nothing to score on; give tracks with --on")
+    models: dict[str, Any] | None = None
+    if model is not None:
+        fitted = PreyModel.load(model)
+        step = None if fitted.conditions is None else fitted.conditions.time_step
+        time_step = time_step if time_step is not None else step
+        models = {"stands": "stands", "constant_velocity": "constant_velocity", str(model): fitted}
+    frame = _tracks(on)
+    table = score_prey(frame, models, seen, steps, time_step, split, seed)
+    if out is not None:
+        write_text(out, table.to_csv(index=False))
+    if as_json:
+        typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
+        return
+    scores_table(table, "m" if "unit" not in frame else str(frame["unit"].dropna().iloc[0]))
+
+
+def _tracks(files: list[Path]) -> Any:
+    import pandas as pd
+
+    from bayeshunt.data import tracks
+
+    parts = [tracks.load(path) for path in files]
+    return parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
+
+
+def _or_none(name: str) -> str | None:
+    return None if name == _NONE else name

@@ -1,0 +1,134 @@
+"""Which column of a log is what, and in which unit: by name where it shows, else asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.errors import DataError, InputError, did_you_mean
+from bayeshunt.data.text_tables import same_name
+from bayeshunt.data.tracks import UNITS
+
+__all__ = ["find_columns", "lengths", "radians_of"]
+
+_TIME = ("time", "t", "timestamp", "stamp", "times", "timems", "timeus", "timens", "times", "timesec", "sec", "secs",
+         "seconds", "ms", "elapsed", "clock", "timestampms", "timestampus", "timestampns", "stampns", "datetime",
+         "date", "rostime", "tms", "ts", "millis", "utc")  # fmt: skip
+_POSE: tuple[tuple[str, ...], ...] = (
+    ("x", "posx", "xpos", "positionx", "posex", "odomx", "xforward", "icpx", "gtx", "px", "xworld", "posexm"),
+    ("y", "posy", "ypos", "positiony", "posey", "odomy", "yleft", "icpy", "gty", "py", "yworld", "poseym"),
+    ("yaw", "theta", "heading", "phi", "psi", "angle", "orientation", "th", "rotz", "poseyaw", "posetheta", "odomyaw",
+     "yawccw", "icpyaw", "gtyaw", "rz", "direction", "posephi", "orientationz"),
+)  # fmt: skip
+_PAIRS = (
+    ("cmdleft", "cmdright"), ("commandleft", "commandright"), ("leftcmd", "rightcmd"), ("leftcommand", "rightcommand"),
+    ("ucmdleft", "ucmdright"), ("cmdl", "cmdr"), ("cmdv", "cmdw"), ("vcmd", "wcmd"), ("vleft", "vright"),
+    ("left", "right"), ("leftspeed", "rightspeed"), ("speedleft", "speedright"), ("leftwheel", "rightwheel"),
+    ("wheelleft", "wheelright"), ("ul", "ur"), ("vl", "vr"), ("l", "r"), ("linearx", "angularz"),
+    ("cmdlinear", "cmdangular"), ("linear", "angular"), ("throttle", "steering"), ("v", "w"), ("v", "omega"),
+    ("u0", "u1"), ("u1", "u2"), ("cmd0", "cmd1"), ("command0", "command1"), ("motorleft", "motorright"),
+)  # fmt: skip
+#: Endings of names that say a unit.
+_ENDINGS = ("rads", "radps", "mps", "ms", "mms", "cms", "deg", "degrees", "rad", "radians", "mm", "cm", "m")
+
+
+def find_columns(
+    names: list[str], time: str | None, pose: Sequence[str] | None, command: Sequence[str] | None, source: str,
+    *, with_pose: bool = True, with_command: bool = True,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the columns of "time" (None if there is none), "pose" [3] and "command" [A]: given, or found by name.
+
+    Raises DataError that names what cannot be found and how to say it, InputError for a pose of other than three.
+    """
+    pose = None if pose is None else tuple(pose)
+    command = (command,) if isinstance(command, str) else None if command is None else tuple(command)
+    if pose is not None and len(pose) != 3:
+        raise InputError(f"pose: expected three columns x, y, yaw, got {', '.join(pose)}")
+    for name in (time, *(pose or ()), *(command or ())):
+        if name is not None and name not in names:
+            raise DataError(f"{source}: column {name!r} is missing; the table has {', '.join(names)}"
+                            f"{did_you_mean(name, names, listed=False)}")  # fmt: skip
+    plain: dict[str, str] = {}
+    for name in names:
+        for key in _keys(name):
+            plain.setdefault(key, name)
+    found: dict[str, Any] = {
+        "time": time or next((plain[key] for key in _TIME if key in plain), None),
+        "pose": pose or (_pose(plain, names, source) if with_pose else ()),
+    }
+    used = {found["time"], *found["pose"]}
+    found["command"] = command or (_command(plain, names, used, source) if with_command else ())
+    return found
+
+
+def _keys(name: str) -> list[str]:
+    """What a name may be known by: itself, and itself without a unit at its end."""
+    whole = same_name(name)
+    parts = name.lower().replace("[", "_").replace("(", "_").replace(" ", "_").rstrip("])").split("_")
+    parts = [part for part in parts if part]
+    while len(parts) > 1 and (parts[-1] in _ENDINGS or parts[-1] in ("s", "us", "ns", "sec")):
+        parts = parts[:-1]
+    return list(dict.fromkeys([whole, same_name("".join(parts))]))
+
+
+def _pose(plain: dict[str, str], names: list[str], source: str) -> tuple[str, ...]:
+    found = []
+    for what, known in zip(("x", "y", "yaw"), _POSE, strict=True):
+        hit = next((plain[key] for key in known if key in plain), None)
+        if hit is None:
+            raise DataError(f"{source}: no column {what!r} of the pose found among {', '.join(names)}; "
+                            "name them: pose=(x, y, yaw) (--pose X,Y,YAW)")  # fmt: skip
+        found.append(hit)
+    return tuple(found)
+
+
+def _command(plain: dict[str, str], names: list[str], used: set[Any], source: str) -> tuple[str, ...]:
+    for pair in _PAIRS:
+        if all(key in plain and plain[key] not in used for key in pair):
+            return tuple(plain[key] for key in pair)
+    numbered = [name for name in names if same_name(name).startswith(("command", "cmd", "action")) and name not in used]
+    if numbered:
+        return tuple(numbered)
+    raise DataError(f"{source}: no columns of the command found among {', '.join(names)}; "
+                    "name them: command=(left, right) (--command L,R)")  # fmt: skip
+
+
+def lengths(names: Sequence[str], unit: str | None, source: str) -> tuple[float, str]:
+    """Return metres of one unit of ``names`` and a note of why: as given, as the names end, or metres."""
+    known = {name: metres for name, metres in UNITS.items() if metres is not None}
+    if unit is not None:
+        if unit not in known:
+            raise InputError(f"{source}: unknown unit {unit!r}; expected one of {', '.join(known)}")
+        return known[unit], f"lengths in {unit} (as given)"
+    for name in ("mm", "cm", "m"):
+        if all(_says(column, name) for column in names):
+            return known[name], f"lengths in {name} (as the columns' names say)"
+    return 1.0, "lengths in m (the default)"
+
+
+def radians_of(values: np.ndarray, name: str, angle: str | None, source: str) -> tuple[np.ndarray, str]:
+    """Return headings [N] in radians and a note of how they were read: as given, as the name ends, or radians.
+
+    Raises InputError for another unit, and for what would be turns on end in radians where no unit is said.
+    """
+    if angle is not None and angle not in ("rad", "deg"):
+        raise InputError(f"{source}: unknown unit of angles {angle!r}; expected rad or deg")
+    if angle is None and any(_says(name, word) for word in ("deg", "degrees", "degree", "°")):
+        return np.radians(values), "heading in degrees (as its name says)"
+    if angle == "deg":
+        return np.radians(values), "heading in degrees (as given)"
+    finite = values[np.isfinite(values)]
+    if angle is None and not _says(name, "rad") and finite.size:
+        jump = np.abs(np.diff(finite))
+        wraps_at_a_turn = bool(((jump > 300) & (jump <= 360)).any())
+        if wraps_at_a_turn or float(np.median(np.abs(finite))) > 4 * math.pi:
+            raise InputError(f"{source}: column {name!r} reaches {np.abs(finite).max():g}: degrees or radians? "
+                             "say it: angle= (--angle rad|deg)")  # fmt: skip
+    return values, "heading in radians (" + ("as given" if angle else "the default") + "), counter-clockwise"
+
+
+def _says(name: str, unit: str) -> bool:
+    return name.lower().rstrip("])").replace("[", "_").replace("(", "_").replace(" ", "_").endswith(f"_{unit}")

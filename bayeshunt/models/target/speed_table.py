@@ -1,0 +1,140 @@
+"""Transitions given the prey's own speed: counts by class of the step before, backed off to like speeds.
+
+Letters: C classes, N[c] counts of class c, s the smoothed counts of its neighbours, w the back-off weight. The table
+of a class is the Dirichlet mean ``(N[c] + w m) / (n_c + w)`` under the mean
+``m = (s + w p) / (n_s + w)`` of the classes beside it (each less by a Gaussian of one class), itself backed off to
+the table p of all classes.
+All of these are mixtures of the classes' own shares, so that a mixing matrix [C, C] and the counts are enough.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.geometry import FloatArray, wrap
+from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+
+__all__ = ["BACKOFF", "CLASSES", "UNIT", "SpeedTable", "cell_codes"]
+
+#: Classes of speed; the last is open.
+CLASSES = 40
+#: Distance bins of one class.
+_BINS = 3
+#: Weight [transitions] of the like speeds in a class.
+BACKOFF = 25.0
+#: Counts are whole numbers of 2**-16, so that weighted transitions add up exactly in any order.
+UNIT = 1 << 16
+
+
+def cell_codes(axes: EffectAxes, distance: Any, angle: Any, heading: Any) -> np.ndarray:
+    """Return one int64 number [N] for each (Distance, Angle, Heading) cell; the order is the tables'."""
+    far = np.minimum(axes.distance.index(np.asarray(distance, dtype=float)), MAX_DISTANCE_BINS - 1)
+    turned = axes.angle.index(np.asarray(angle, dtype=float)) * axes.heading.bins
+    return np.asarray(
+        far * (axes.angle.bins * axes.heading.bins) + turned + axes.heading.index(np.asarray(heading, dtype=float))
+    )
+
+
+class SpeedTable:
+    """Counts of transitions by class of the own speed; changes in place, by addition only.
+
+    axes: bins. A class is three distance bins of the step before wide.
+    """
+
+    def __init__(self, axes: EffectAxes, backoff: float = BACKOFF) -> None:
+        self.axes, self.backoff = axes, backoff
+        self.counts: dict[tuple[int, int], int] = {}  # (class, cell code) -> weight in units of 2**-16
+        self._drawn: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def classes(self, before: Any) -> np.ndarray:
+        """Return the class [N] of steps of ``before`` [m]."""
+        return np.minimum(np.asarray(before, dtype=float) / (_BINS * self.axes.distance.width), CLASSES - 1).astype(
+            np.int64
+        )
+
+    def add(self, before: FloatArray, codes: np.ndarray, weight: int = UNIT) -> None:
+        """Count transitions into cells ``codes`` [N] after steps of ``before`` [N] metres."""
+        both = np.stack([self.classes(before), codes], axis=1)
+        pairs, times = np.unique(both, axis=0, return_counts=True)
+        for (kind, code), count in zip(pairs.tolist(), times.tolist(), strict=True):
+            self.counts[kind, code] = self.counts.get((kind, code), 0) + count * weight
+        self._drawn = None
+
+    def merge(self, other: SpeedTable) -> None:
+        """Count what another table of the same bins has counted."""
+        for pair, count in other.counts.items():
+            self.counts[pair] = self.counts.get(pair, 0) + count
+        self._drawn = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers for JSON: [class, cell code, weight in 2**-16] rows in order."""
+        return {"backoff": self.backoff, "counts": [[*pair, self.counts[pair]] for pair in sorted(self.counts)]}
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any], axes: EffectAxes) -> SpeedTable:
+        """Rebuild from :meth:`to_dict`; KeyError, TypeError or ValueError if it is none."""
+        table = cls(axes, float(record["backoff"]))
+        top = MAX_DISTANCE_BINS * axes.angle.bins * axes.heading.bins
+        for kind, code, weight in record["counts"]:
+            whole = all(isinstance(v, int) and not isinstance(v, bool) for v in (kind, code, weight))
+            if not (whole and 0 <= kind < CLASSES and 0 <= code < top and weight > 0):
+                raise ValueError(f"count row {[kind, code, weight]}")
+            table.counts[kind, code] = weight
+        return table
+
+    def mixing(self) -> FloatArray:
+        """Return A [C, C]: the share of each class's own table in the table given a class; rows sum to 1."""
+        totals = np.zeros(CLASSES)
+        for (kind, _), count in self.counts.items():
+            totals[kind] += count
+        totals /= UNIT
+        everyone = np.broadcast_to(totals / totals.sum(), (CLASSES, CLASSES))
+        number = np.arange(CLASSES)
+        near = np.exp(-0.5 * (number[:, None] - number) ** 2) * totals
+        near = (near + self.backoff * everyone) / (near.sum(axis=1, keepdims=True) + self.backoff)
+        return np.asarray((np.diag(totals) + self.backoff * near) / (totals[:, None] + self.backoff))
+
+    def probabilities(self, before: FloatArray, codes: np.ndarray) -> FloatArray:
+        """Return P(cell | class) [N]; 0 where no class has seen the cell."""
+        mix, kinds, cells, ends = self._ready()
+        counts = np.diff(ends, prepend=0)
+        totals = np.bincount(kinds, weights=counts, minlength=CLASSES)
+        order = np.lexsort((kinds, cells))
+        by_cell, share = cells[order], (counts / totals[kinds])[order]
+        first, last = np.searchsorted(by_cell, codes), np.searchsorted(by_cell, codes, side="right")
+        mine, found = self.classes(before), np.zeros(len(codes))
+        for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
+            found[i] = share[a:b] @ mix[mine[i], kinds[order[a:b]]]
+        return found
+
+    def draw(self, before: FloatArray, *, rng: np.random.Generator) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return one transition for each step of ``before`` [N]: distance [m], angle and heading [rad], in its bin."""
+        mix, kinds, cells, ends = self._ready()
+        mine = self.classes(before)
+        uniform = rng.random((4, len(mine)))
+        reach = np.cumsum(mix, axis=1)
+        source = (uniform[0][:, None] * reach[mine, -1:] > reach[mine]).sum(axis=1)
+        bounds = np.concatenate([[0], ends[np.searchsorted(kinds, np.arange(CLASSES), side="right") - 1]])
+        bounds[1:][np.searchsorted(kinds, np.arange(CLASSES), side="right") == 0] = 0
+        low, high = bounds[source], bounds[source + 1]
+        at = low + np.floor(uniform[1] * (high - low)).astype(np.int64)
+        code = cells[np.searchsorted(ends, at, side="right")]
+        turns = self.axes.heading.bins
+        axes, far, rest = self.axes, code // (self.axes.angle.bins * turns), code % (self.axes.angle.bins * turns)
+        distance = (far + uniform[2]) * axes.distance.width
+        wiggle = uniform[3] - 0.5
+        angle = axes.angle.centres[rest // turns] + wiggle * axes.angle.width
+        heading = axes.heading.centres[rest % turns] + wiggle * axes.heading.width  # they mostly turn together
+        return distance, np.asarray(wrap(angle)), np.asarray(wrap(heading))
+
+    def _ready(self) -> tuple[FloatArray, np.ndarray, np.ndarray, np.ndarray]:
+        """Mixing matrix; class [M], cell [M] and cumulative count [M] of every pair seen, sorted."""
+        if self._drawn is None:
+            pairs = sorted(self.counts)
+            ends = np.cumsum(np.array([self.counts[pair] for pair in pairs], dtype=np.int64))
+            both = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+            self._drawn = self.mixing(), both[:, 0], both[:, 1], ends
+        return self._drawn

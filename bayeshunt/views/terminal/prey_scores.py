@@ -1,0 +1,32 @@
+"""Scores of prey models in a terminal."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from bayeshunt.views.terminal.terminal import out
+from bayeshunt.views.terminal.text_tables import TextTable, folding
+
+__all__ = ["scores_table"]
+
+
+def scores_table(scores: pd.DataFrame, unit: str) -> None:
+    """Print the table of ``score_prey``, a row a model; lengths in ``unit``."""
+    table = TextTable(
+        folding("model", 23), f"ADE {unit}", "95 % interval", f"FDE {unit}", "best of 20", "energy", "nats", "covers %",
+        title=f"{int(scores['n'].max())} windows of {int(scores['individuals'].max())} individuals",
+    )  # fmt: skip
+    for row in scores.to_dict("records"):
+        sampled = not pd.isna(row["nll"])
+        cover = f"{100 * row['cover50']:.0f}/{100 * row['cover90']:.0f}" if sampled else ""
+        interval = f"{row['ade_low']:.3g} to {row['ade_high']:.3g}"
+        table.row(
+            str(row["model"]), f"{row['ade']:.3g}", interval, f"{row['fde']:.3g}",
+            f"{row['best20_ade']:.3g}/{row['best20_fde']:.3g}", f"{row['energy']:.3g}",
+            f"{row['nll']:.2f}" if sampled else "", cover,
+        )  # fmt: skip
+    table.print(out)
+    out.print(
+        "Windows overlap and frames depend on each other: intervals resample individuals, not windows.", style="dim"
+    )
+    out.print("The point of a sampled forecast is its spatial median; covers: of the 50 and 90 % regions.", style="dim")

@@ -1,0 +1,168 @@
+"""Prey models with conditions: exact in any order and split, stored, scored beside the baselines."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.core.errors import DataError, InputError, ModelFileError
+from bayeshunt.models.assessment.sampled_scores import sampled_scores, spatial_median
+from bayeshunt.models.target.residual_table import KEPT
+
+BOTH = {"given": "speed", "residual_of": "constant_velocity"}
+
+
+def walkers(people: int, rows: int, seed: int) -> pd.DataFrame:
+    """People who walk at their own speed, and slow down or speed up for a while now and then."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for person in range(people):
+        own = rng.uniform(0.3, 0.7)
+        speed = own * np.repeat(rng.choice([0.2, 1.0, 1.0, 1.3], size=-(-rows // 8)), 8)[:rows]
+        turn = np.cumsum(rng.normal(scale=0.08, size=rows)) + rng.uniform(-3, 3)
+        place = np.cumsum(speed * np.exp(1j * turn))
+        parts.append(pd.DataFrame({"id": person, "time": 0.4 * np.arange(rows), "x": place.real, "y": place.imag}))
+    return pd.concat(parts, ignore_index=True).assign(scene="street")
+
+
+@pytest.fixture(scope="module")
+def rows() -> pd.DataFrame:
+    return bh.transitions(walkers(12, 60, 0), seen=4, steps=5)
+
+
+@pytest.mark.parametrize("kind", [BOTH, {"given": "speed"}, {"residual_of": "constant_velocity"}, {}])
+def test_any_order_and_split_is_the_batch_fit(kind: dict[str, str], rows: pd.DataFrame) -> None:
+    whole = bh.PreyModel.fit(rows, **kind)
+    mixed = rows.sample(frac=1, random_state=3)
+    part = bh.PreyModel.fit(mixed.iloc[:1], **kind)
+    for start, stop in ((1, 2), (2, 90), (90, 400), (400, len(rows))):
+        part.update(mixed.iloc[start:stop])
+    one, two = (bh.PreyModel.fit(half, **kind) for half in (mixed.iloc[:300], mixed.iloc[300:]))
+    seen = np.cumsum(np.ones((3, 4)), axis=1) * (0.5 + 0.1j)
+    drawn = whole.futures(seen, 5, 8, rng=np.random.default_rng(0))
+    for other in (part, one.merge(two), whole.copy()):
+        assert other == whole
+        assert np.array_equal(other.futures(seen, 5, 8, rng=np.random.default_rng(0)), drawn)
+    assert part.update(mixed.iloc[:1]) != whole
+    assert whole.observations == len(rows)
+
+
+@pytest.mark.parametrize("kind", [BOTH, {}])
+def test_saved_and_loaded_it_is_equal(kind: dict[str, str], rows: pd.DataFrame, tmp_path) -> None:
+    model = bh.PreyModel.fit(rows, **kind)
+    model.save(tmp_path / "prey.json")
+    back = bh.PreyModel.load(tmp_path / "prey.json")
+    assert back == model
+    assert back.log_likelihood(rows) == model.log_likelihood(rows)
+    record = json.loads((tmp_path / "prey.json").read_text())
+    assert record["format"] == 2
+    record["content"]["counts"][0][3] += 1
+    (tmp_path / "prey.json").write_text(json.dumps(record))
+    with pytest.raises(ModelFileError, match="checksum"):
+        bh.PreyModel.load(tmp_path / "prey.json")
+
+
+def test_a_class_keeps_a_bounded_number_of_paths_and_counts_all(rows: pd.DataFrame) -> None:
+    straight = rows.iloc[[10] * 500].copy().reset_index(drop=True)
+    ahead = [name for name in straight if name.startswith("future") and name.endswith("right")]
+    straight[ahead] = np.random.default_rng(0).uniform(0.1, 1.0, size=(500, len(ahead)))
+    table = bh.PreyModel.fit(straight, residual_of="constant_velocity").conditions.residual
+    (count,) = table.counts.values()
+    (kept,) = table.kept.values()
+    assert (count, len(kept)) == (500, KEPT)
+
+
+def test_shares_are_dirichlet_means_by_hand(rows: pd.DataFrame) -> None:
+    table = bh.PreyModel.fit(rows, **BOTH).conditions.residual
+    key = max(table.counts, key=table.counts.get)
+    shares = table.shares(key)
+    assert sum(shares.values()) == pytest.approx(1)
+    own = table.counts[key] / (table.counts[key] + table.backoff)
+    assert shares[key] > own
+    mixing = bh.PreyModel.fit(rows, **BOTH).conditions.speed.mixing()
+    assert mixing.sum(axis=1) == pytest.approx(1)
+
+
+def test_the_speed_that_it_had_tells_the_next(rows: pd.DataFrame) -> None:
+    plain, given = (bh.PreyModel.fit(rows, axes=bh.PreyModel.fit(rows, **BOTH).axes, **kind) for kind in ({}, BOTH))
+    fresh = bh.transitions(walkers(6, 60, 9), seen=4, steps=5)
+    fresh["scale"] = rows["scale"].iloc[0]
+    assert given.log_likelihood(fresh) > plain.log_likelihood(fresh) + 0.2 * len(fresh)
+
+
+def test_wrong_requests_are_one_line(rows: pd.DataFrame) -> None:
+    with pytest.raises(InputError, match="did you mean 'constant_velocity'"):
+        bh.PreyModel.fit(rows, residual_of="constant_velocty")
+    with pytest.raises(InputError, match="'speed'"):
+        bh.PreyModel.fit(rows, given="mood")
+    with pytest.raises(DataError, match="column 'speed' is missing"):
+        bh.PreyModel.fit(rows.drop(columns="speed"), given="speed")
+    with pytest.raises(DataError, match=r"this model's is 0\.4 s"):
+        bh.PreyModel.fit(rows, **BOTH).update(rows.assign(time_step=0.8))
+    with pytest.raises(InputError, match="conditions"):
+        bh.PreyModel.fit(rows, **BOTH).merge(bh.PreyModel.fit(rows, given="speed"))
+
+
+def test_spatial_median_and_scores_by_hand() -> None:
+    samples = np.array([0, 0, 0, 10 + 0j])[None, :, None] * np.ones((1, 4, 2))
+    assert np.abs(spatial_median(samples)) == pytest.approx(0, abs=1e-3)
+    came = np.array([[1j, 3j]])
+    point = sampled_scores(samples[:, :1], came, floor=0.1, area=100)[0]
+    assert point[:5].tolist() == pytest.approx([2, 3, 2, 3, 2])
+    assert np.isnan(point[5:]).all()
+    rng = np.random.default_rng(0)
+    cloud = (rng.normal(size=(2, 400, 200, 1)) * np.array([1, 1j]).reshape(2, 1, 1, 1)).sum(axis=0)
+    truth = (rng.normal(size=(2, 400, 1)) * np.array([1, 1j]).reshape(2, 1, 1)).sum(axis=0)
+    scores = sampled_scores(cloud, truth, floor=0.01, area=1e4).mean(axis=0)
+    assert scores[5] == pytest.approx(np.log(2 * np.pi) + 1, abs=0.15)  # entropy of the normal in the plane
+    assert scores[6:].tolist() == pytest.approx([0.5, 0.9], abs=0.07)
+
+
+def test_score_prey_is_held_out_and_repeats() -> None:
+    tracks = pd.concat([walkers(8, 60, 1), walkers(8, 60, 2).assign(scene="square")], ignore_index=True)
+    names = ["stands", "constant_velocity", "constant_velocity_noise", "autoregression", "conditioned"]
+    for split in ("individual", "scene", "time"):
+        one, two = (bh.score_prey(tracks, names, seen=4, steps=5, split=split, seed=4, most=150) for _ in range(2))
+        pd.testing.assert_frame_equal(one, two)
+        by = one.set_index("model")
+        assert by.loc["conditioned", "energy"] < by.loc["constant_velocity", "energy"]
+        assert by.loc["stands", "ade"] > by.loc["conditioned", "ade"]
+        assert (by["ade_low"] <= by["ade"]).all()
+        assert (by["ade"] <= by["ade_high"]).all()
+    with pytest.raises(InputError, match="did you mean 'stands'"):
+        bh.score_prey(tracks, ["stand"])
+    with pytest.raises(InputError, match="unknown split"):
+        bh.score_prey(tracks, ["table"], split="day")
+    with pytest.raises(DataError, match="100 places"):
+        bh.score_prey(tracks, ["stands"], seen=50, steps=50)
+
+
+def test_a_fitted_model_is_scored_as_it_is(bayeshunt, tmp_path) -> None:
+    from bayeshunt.data import tracks as tracks_file
+
+    tracks_file.save(walkers(6, 50, 1), tmp_path / "a.parquet")
+    tracks_file.save(walkers(1, 80, 2), tmp_path / "b.parquet")
+    out, _ = bayeshunt("prey", "fit", "a.parquet", "--seen", "4", "--steps", "5", "--out", "prey.json")
+    assert "transitions of 0.4 s" in out
+    out, _ = bayeshunt("prey", "score", "prey.json", "--on", "b.parquet", "--seen", "4", "--steps", "5", "--json")
+    table = pd.DataFrame(json.loads(out))
+    assert table["model"].tolist() == ["stands", "constant_velocity", "prey.json"]
+    bayeshunt("prey", "score", "prey.json", status=2)
+    shown, _ = bayeshunt("prey")
+    assert "braitenberg" in shown
+
+
+@pytest.mark.slow
+def test_many_transitions_in_bounded_memory(rows: pd.DataFrame) -> None:
+    """A million transitions, part by part: tables grow with what is new, not with what is counted."""
+    model = bh.PreyModel.fit(rows, **BOTH)
+    stored = len(model.conditions.speed.counts), sum(map(len, model.conditions.residual.kept.values()))
+    many = pd.concat([rows] * 50, ignore_index=True)
+    for _ in range(1_000_000 // len(many)):
+        model.update(many)
+    assert model.observations > 950_000
+    assert (len(model.conditions.speed.counts), sum(map(len, model.conditions.residual.kept.values()))) == stored
