@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from bayeshunt.experiments.studies.tradeoff import tradeoff
     from bayeshunt.models.arena.rooms import RoomModel
     from bayeshunt.models.assessment.assess import Assessment, assess
+    from bayeshunt.models.assessment.forward_scores import score_forward
     from bayeshunt.models.assessment.prey_scores import score_prey
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.inverse import InverseModel
@@ -77,6 +78,7 @@ _HOMES = {
     **{name: ("bayeshunt.data.tracks", name) for name in ("read_tracks", "tracks")},
     "read_log": ("bayeshunt.data.logs", "read_log"),
     **{name: ("bayeshunt.data.segmenting", name) for name in ("gaits_from_log", "gaits_from_windows")},
+    "score_forward": ("bayeshunt.models.assessment.forward_scores", "score_forward"),
     "score_prey": ("bayeshunt.models.assessment.prey_scores", "score_prey"),
     "register_reader": ("bayeshunt.data.readers.registry", "register_reader"),
     "track_report": ("bayeshunt.data.track_report", "track_report"),

@@ -161,7 +161,7 @@ def _windows(log: pd.DataFrame, holds: np.ndarray | None, step: float) -> tuple[
     parts, lost = [], 0
     for number, (a, b, end) in enumerate(zip(first, after, ends, strict=True)):
         count = int((end - time[a]) / step + 1e-6)
-        lost += int((time[a:b] > time[a] + count * step + 1e-9).sum()) if count else b - a
+        lost += int((time[a:b] > time[a] + count * step + 1e-9).sum()) if count else int(b - a)
         if count:
             parts.append(pd.DataFrame({"time": time[a] + step * np.arange(count), "run": run[a], "hold": number}))
     found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=["time", "run", "hold"])

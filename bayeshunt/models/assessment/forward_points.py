@@ -1,0 +1,52 @@
+"""The point of a table's cell, backed off: medians of poses by key, each drawn towards those of a coarser key."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bayeshunt.core.geometry import FloatArray, Polar
+
+__all__ = ["points"]
+
+#: Weight [rows] of the coarser key.
+BACKOFF = 3.0
+
+
+def points(
+    keys: Sequence[np.ndarray],
+    asked: Sequence[np.ndarray],
+    outcomes: Polar[FloatArray],
+    *,
+    backoff: float = BACKOFF,
+) -> Polar[FloatArray]:
+    """Return the backed-off point of each asked key: Polar[FloatArray] of arrays [M].
+
+    keys: for each level, coarse to fine, whole numbers [N] of the rows; asked: likewise [M]. outcomes: Polar[FloatArray] [N].
+    The finest known level counts most: ``(n m + w p) / (n + w)`` of its own spatial median m and the level above p.
+    """
+    places = np.asarray(outcomes.forward + 1j * outcomes.right)
+    facing = np.exp(1j * np.asarray(outcomes.heading))
+    count = len(asked[0])
+    place, face = np.full(count, median(places)), np.full(count, median(facing))
+    for level, mine in zip(keys, asked, strict=True):
+        for key in np.unique(mine):
+            rows = level == key
+            number = int(rows.sum())
+            if not number:
+                continue
+            here = mine == key
+            weight = number / (number + backoff)
+            place[here] = weight * median(places[rows]) + (1 - weight) * place[here]
+            face[here] = weight * median(facing[rows]) + (1 - weight) * face[here]
+    return Polar.from_cartesian(place.real, place.imag, np.angle(face))
+
+
+def median(values: FloatArray) -> complex:
+    """Return the spatial median of complex values [N] (Weiszfeld)."""
+    found = values.mean()
+    for _ in range(50):
+        weight = 1.0 / (np.abs(values - found) + 1e-9)
+        found = (weight * values).sum() / weight.sum()
+    return complex(found)
