@@ -21,9 +21,9 @@ def points(
     *,
     backoff: float = BACKOFF,
 ) -> Polar[FloatArray]:
-    """Return the backed-off point of each asked key: Polar[FloatArray] of arrays [M].
+    """Return the backed-off point of each asked key: Polar of arrays [M].
 
-    keys: for each level, coarse to fine, whole numbers [N] of the rows; asked: likewise [M]. outcomes: Polar[FloatArray] [N].
+    keys: for each level, coarse to fine, whole numbers [N] of the rows; asked: likewise [M]. outcomes: Polar [N].
     The finest known level counts most: ``(n m + w p) / (n + w)`` of its own spatial median m and the level above p.
     """
     places = np.asarray(outcomes.forward + 1j * outcomes.right)

@@ -62,7 +62,7 @@ class Unicycle:
         return cls(tuple(best[:actuators].tolist()), tuple(best[actuators:].tolist()))
 
     def predict(self, commands: FloatArray) -> Polar[FloatArray]:
-        """Return the pose after one time-step of each command [N, A]: Polar[FloatArray] of arrays [N], clockwise."""
+        """Return the pose after one time-step of each command [N, A]: Polar of arrays [N], clockwise."""
         x, y, yaw = _arc(np.asarray(commands, dtype=float), np.array(self.forward), np.array(self.left))
         return Polar.from_cartesian(x, -y, -yaw)
 
