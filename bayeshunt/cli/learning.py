@@ -62,7 +62,12 @@ def fit(
         list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
     ],
     out: Annotated[Path, out_file("Model file (JSON) to write.", "models", ".json")],
-    prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.")] = 0.0,
+    prior: Annotated[
+        float | None,
+        typer.Option(
+            help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.", show_default="0; with --backoff 0.03"
+        ),
+    ] = None,
     xmlbif: Annotated[
         Path | None, out_file("Also export the network as XMLBIF, with its labels.", "networks", ".xmlbif")
     ] = None,
@@ -71,6 +76,10 @@ def fit(
         str,
         typer.Option(help="naive (the paper), tan, joint, previous_gait or learned: what depends on what; see assess."),
     ] = "naive",
+    backoff: Annotated[
+        float | None,
+        typer.Option(help="Of previous_gait: rows that a gait's own table is worth after each gait, e.g. 5."),
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -89,12 +98,12 @@ def fit(
     counts: Any
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
         counts, provenance = count_tables(tables, maker.gaits, structure=structure, progress=advance)
-    model = ForwardModel.from_counts(counts, prior, structure=structure, provenance=provenance)
+    model = ForwardModel.from_counts(counts, prior, structure=structure, backoff=backoff, provenance=provenance)
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)
     facts = {
-        "out": str(out), "rows": counts.total, "prior": prior, "log_likelihood": model.log_likelihood(counts),
+        "out": str(out), "rows": counts.total, "prior": model.prior, "log_likelihood": model.log_likelihood(counts),
         "bins": {axis.name: axis.bins for axis in model.axes},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
     }  # fmt: skip

@@ -37,7 +37,9 @@ def entropy(probabilities: np.ndarray, axis: int = 0) -> np.ndarray:
     return bits
 
 
-def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+def credible_interval(
+    counts: np.ndarray, prior: np.ndarray | float = 0.0, *, level: float = 0.95
+) -> tuple[np.ndarray, np.ndarray]:
     """Return lower and upper bounds [K, J] of each cell's equal-tailed Dirichlet credible interval.
 
     The marginal of a Dirichlet cell is Beta(N + a, sum N + K a - N - a) (Gelman et al., Bayesian Data
@@ -52,15 +54,20 @@ def credible_interval(counts: np.ndarray, prior: float = 0.0, *, level: float = 
 
     observed = np.asarray(counts, dtype=float)
     others = observed.sum(axis=0, keepdims=True) - observed
-    if prior > 0:
+    if isinstance(prior, np.ndarray):  # pseudo-counts of each cell
+        own, rest = observed + prior, others + (prior.sum(axis=0, keepdims=True) - prior)
+    elif prior > 0:
         own, rest = observed + prior, others + (len(observed) - 1) * prior
     else:
         own, rest = observed + 0.5, others + 0.5
     # A table of one state leaves nothing to doubt, and Beta(a, 0) is no distribution.
     tail, alone = (1.0 - level) / 2.0, rest <= 0
-    rest = np.where(alone, 1.0, rest)
+    rest, never = np.where(alone, 1.0, rest), own <= 0  # neither counted nor expected: it is 0 for sure
+    own = np.where(never, 1.0, own)
     low = np.where(alone, 1.0, beta.ppf(tail, own, rest))
     high = np.where(alone, 1.0, beta.ppf(1.0 - tail, own, rest))
+    if isinstance(prior, np.ndarray):
+        return np.where(never, 0.0, low), np.where(never, 0.0, high)
     if prior > 0:
         return low, high
     return np.where(observed == 0, 0.0, low), np.where(others == 0, 1.0, high)

@@ -29,6 +29,8 @@ def rows(support: Any) -> str:
 def support(answer: Posterior) -> str:
     """Return how many rows an answer rests on; where nobody knows, why."""
     words = rows(answer.support)
+    if answer.model.backoff is not None and answer.model.known:
+        return f"{words} after that gait, the rest from each gait's own table"
     return words if answer.model.has_counts else f"{words}: {NO_COUNTS}"
 
 

@@ -33,24 +33,11 @@ from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
 from bayeshunt.models.formats import csv, model_file, xmlbif
-from bayeshunt.models.tables import network, sampling
-from bayeshunt.models.tables.counted import (
-    ContextTables,
-    CountedTables,
-    check_every_gait_seen,
-    shares,
-    tables_of,
-)
+from bayeshunt.models.tables import network, sampling, structures
+from bayeshunt.models.tables.counted import ContextTables, CountedTables, check_every_gait_seen, shares, tables_of
 from bayeshunt.models.tables.given import GivenTables
 from bayeshunt.models.tables.sources import TableSource
-from bayeshunt.models.tables.structures import (
-    PREVIOUS,
-    SEARCHED,
-    Structure,
-    check_hunting,
-    depends_on_previous,
-    find_structure,
-)
+from bayeshunt.models.tables.structures import PREVIOUS, Structure, check_hunting, depends_on_previous
 
 __all__ = ["ForwardModel"]
 
@@ -73,11 +60,12 @@ class ForwardModel(OpenTables):
     def __init__(
         self,
         joint: JointCounts | PreviousCounts,
-        prior: float = 0.0,
+        prior: float | None = None,
         gait_prior: str = "uniform",
         provenance: Mapping[str, Any] | None = None,
         data: tuple[pd.DataFrame, ...] = (),
         structure: Structure | None = None,
+        backoff: float | None = None,
     ) -> None:
         """Make a model of counts as they are; :meth:`fit` and :meth:`from_counts` also check them.
 
@@ -85,8 +73,9 @@ class ForwardModel(OpenTables):
         prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
         gait_prior: "uniform" (the paper) or "empirical".
         structure: the edges; by default the paper's, or PREVIOUS_GAIT for counts by the gait before.
+        backoff: as in :meth:`fit`.
         """
-        self._set(tables_of(joint, prior, gait_prior, structure), provenance or {}, data)
+        self._set(tables_of(joint, prior, gait_prior, structure, backoff), provenance or {}, data)
 
     def _set(
         self, source: TableSource, provenance: Mapping[str, Any], data: tuple[pd.DataFrame, ...] = (),
@@ -112,23 +101,27 @@ class ForwardModel(OpenTables):
         cls,
         frame: pd.DataFrame,
         gaits: Iterable[Gait | str] | GaitRepertoire,
-        prior: float = 0.0,
+        prior: float | None = None,
         *,
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
+        backoff: float | None = None,
     ) -> ForwardModel:
         """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
 
         frame: columns gait, distance [m], angle and heading [rad clockwise]; path columns optional.
         gaits: a repertoire, or Gait objects or names, in table order. Of names alone, body length and duration are
             those of the robot that the table's record names, or of ``axes``; else they are unknown.
-        prior: Dirichlet pseudo-count per cell, >= 0.
+        prior: Dirichlet pseudo-count per cell, >= 0; by default 0, with ``backoff`` 0.03.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
             to the farthest row.
         structure: "naive" (the paper), "tan", "joint", "previous_gait" or "learned", or a Structure. The
             edges of "tan" and "learned" are found in the rows; later updates keep them. For
             "previous_gait" the table must say which gait went before, see :meth:`given`.
+        backoff: of "previous_gait", rows > 0 that P(effect | Gait), smoothed by the prior, is worth in each
+            P(effect | Gait, PreviousGait), for example 5.0; mean poses lean on those of the gait likewise. None: the
+            prior alone smooths them.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
         gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
@@ -137,17 +130,18 @@ class ForwardModel(OpenTables):
         check_hunting(structure)
         record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
         repertoire, grid = measured(gaits, axes, record)
-        empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior)
+        empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior, backoff=backoff)
         return empty.update(frame)._fitted(structure)
 
     @classmethod
     def from_counts(
         cls,
         joint: JointCounts | PreviousCounts,
-        prior: float = 0.0,
+        prior: float | None = None,
         *,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
+        backoff: float | None = None,
         provenance: Mapping[str, Any] | None = None,
     ) -> ForwardModel:
         """Learn the tables from counts of rows that need not be in memory: equal to :meth:`fit` of those rows.
@@ -162,7 +156,7 @@ class ForwardModel(OpenTables):
                 if depends_on_previous(structure)
                 else "this structure is fitted to JointCounts; counts by the gait before are for previous_gait"
             )
-        return cls(joint, prior, gait_prior, provenance)._fitted(structure)
+        return cls(joint, prior, gait_prior, provenance, backoff=backoff)._fitted(structure)
 
     def _fitted(self, structure: str | Structure) -> ForwardModel:
         """Return this model with ``structure`` and with its tables confirmed by pgmpy's own fit."""
@@ -170,10 +164,12 @@ class ForwardModel(OpenTables):
         assert isinstance(tables, (CountedTables, ContextTables))
         check_every_gait_seen(tables)
         if isinstance(structure, str):
-            structure = find_structure(structure, tables.cells)
+            structure = structures.find_structure(structure, tables.cells)
         tables = replace(tables, structure=structure)
-        learned = {**tables.effects.local, **shares(tables)}  # refuses huge tables before pgmpy would allocate them
-        fitted = network.fit_cells(tables.cells, tables.states, tables.prior, structure)
+        # With back-off pgmpy confirms the tables leant on. Huge ones are refused before it would allocate them.
+        checked = tables.pooled if isinstance(tables, ContextTables) and tables.backoff is not None else tables
+        learned = {**tables.effects.local, **shares(tables)} if checked is tables else dict(checked.effects.local)
+        fitted = network.fit_cells(checked.cells, checked.states, checked.prior, checked.structure)
         network.check_equal(fitted, learned)
         return ForwardModel.over(tables, self.provenance, self.data)
 
@@ -181,11 +177,12 @@ class ForwardModel(OpenTables):
     def empty(
         cls,
         gaits: Iterable[Gait | str] | GaitRepertoire,
-        prior: float = 0.0,
+        prior: float | None = None,
         *,
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
+        backoff: float | None = None,
     ) -> ForwardModel:
         """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError.
 
@@ -195,9 +192,9 @@ class ForwardModel(OpenTables):
         repertoire, grid = measured(gaits, axes)
         counts = counts_for(structure).empty(repertoire, grid)
         if isinstance(structure, str):
-            if structure in SEARCHED:
+            if structure in structures.SEARCHED:
                 raise InputError(f"structure {structure!r} is found in rows, and there are none yet; use fit")
-            structure = find_structure(structure, counts.table)
+            structure = structures.find_structure(structure, counts.table)
         return cls(counts, prior, gait_prior, structure=structure)
 
     @classmethod
@@ -223,7 +220,8 @@ class ForwardModel(OpenTables):
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        return ForwardModel(counts, self.prior, self.gait_prior, provenance, (*self.data, rows), self.structure)
+        data = (*self.data, rows)
+        return ForwardModel(counts, self.prior, self.gait_prior, provenance, data, self.structure, self.backoff)
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the rows that it counted, which no model file holds; DataError for others."""
@@ -367,6 +365,7 @@ class ForwardModel(OpenTables):
         if not self.has_counts:
             return f"<ForwardModel{after}: imported, {len(self.gaits)} gaits, bins {bins}>"
         kind = "" if self.structure.is_naive else f", structure {self.structure.name}"
+        kind += "" if self.backoff is None else f", back-off {self.backoff:g}"
         rows = f"{len(self.gaits)} gaits, {self.joint.total} rows"
         return f"<ForwardModel{after}: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
 

@@ -68,6 +68,11 @@ class OpenTables:
         return self.source.gait_prior
 
     @property
+    def backoff(self) -> float | None:
+        """Rows that P(effect | Gait) is worth in the tables given the gait before; None: no back-off."""
+        return self.source.backoff
+
+    @property
     def known(self) -> Mapping[str, str]:
         """States of other variables that the tables are conditioned on: {"PreviousGait": name} or {}."""
         return self.source.known
@@ -216,7 +221,7 @@ class OpenTables:
             raise InputError(f"level: expected {_LEVEL}, got {level}")
         counts = self.joint.marginal(variable)
         column = counts[:, None] if variable == "Gait" else counts
-        low, high = statistics.credible_interval(column, self.prior, level=level)
+        low, high = statistics.credible_interval(column, self.source.pseudo_counts(variable), level=level)
         if variable == "Gait":
             low, high = low[:, 0], high[:, 0]
         return self._labelled(variable, low, "low"), self._labelled(variable, high, "high")

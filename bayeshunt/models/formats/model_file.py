@@ -33,12 +33,14 @@ __all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "lo
 KIND = "bayeshunt forward model"
 #: The command that makes one.
 MAKER = "bayeshunt fit babbling.parquet"
-#: Newest version of the layout of ``content``: cells and pose sums by the gait before.
-FORMAT = 3
+#: Newest version of the layout of ``content``: tables with back-off, whose strength it holds.
+FORMAT = 4
+#: What a model that depends on the gait before is written in, without back-off.
+_FORMAT_WITH_PREVIOUS = 3
 #: What a model that does not depend on the gait before is written in, so that older programs can read it.
 _FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
-READABLE = (1, 2, 3)
+READABLE = (1, 2, 3, 4)
 
 _RECORD = RecordKind(KIND, MAKER, READABLE)
 
@@ -109,7 +111,9 @@ def loads(text: str, name: str = "model") -> Stored:
 
 def _version(tables: CountedTables | ContextTables) -> int:
     """The oldest format that can say everything, so that older programs can read the file."""
-    return FORMAT if isinstance(tables, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
+    if tables.backoff is not None:
+        return FORMAT
+    return _FORMAT_WITH_PREVIOUS if isinstance(tables, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
 
 
 # --- a model as plain numbers ----------------------------------------------------------------------
@@ -118,7 +122,9 @@ def _version(tables: CountedTables | ContextTables) -> int:
 def _content(tables: CountedTables | ContextTables, provenance: Mapping[str, Any]) -> dict[str, Any]:
     gaits, table = tables.gaits, tables.cells
     sums = _sums_by_previous(tables.by_previous) if isinstance(tables, ContextTables) else tables.joint.sums
+    leaning = {} if tables.backoff is None else {"backoff": tables.backoff}
     return {
+        **leaning,
         "axes": {axis.name: _axis_record(axis) for axis in tables.axes},
         "body_length": gaits.body_length,
         "cells": np.column_stack([table.cells, table.counts]).tolist(),
@@ -175,7 +181,7 @@ def _model(content: Any, structure: Structure) -> Stored:
             raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
         rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 4)
         counts = _previous_counts(rows.reshape(-1, 6), sums, gaits, axes)
-        return Stored(tables_of(counts, prior, gait_prior), provenance)
+        return Stored(tables_of(counts, prior, gait_prior, backoff=content.get("backoff")), provenance)
     rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
     joint = _joint_counts(rows.reshape(-1, 5), sums, gaits, axes)
     return Stored(tables_of(joint, prior, gait_prior, structure), provenance)

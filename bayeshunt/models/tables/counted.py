@@ -23,11 +23,14 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import statistics
+from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.models.counting.backoff import PRIOR, check_strength, leaning_poses, leaning_table
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts, previous_codes
-from bayeshunt.models.tables.effects import IndependentEffects, JointEffects, compile_effects, local_tables
+from bayeshunt.models.counting.tally import SCALE
+from bayeshunt.models.tables.effects import IndependentEffects, JointEffects, check_size, compile_effects, local_tables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
@@ -43,6 +46,8 @@ class CountedTables(TableSource):
 
     pooled: of a part of a model, the tables of all its rows. P(Gait) is theirs, because the robot chooses
         whatever went before; so are poses and learned coordinates where the part has no rows.
+    backoff: rows that the pooled tables are worth beside the part's own, see ``models.counting.backoff``; poses lean
+        on the pooled ones likewise, and learned coordinates are the pooled ones. None: the part stands alone.
     """
 
     joint: JointCounts
@@ -51,6 +56,7 @@ class CountedTables(TableSource):
     structure: Structure = NAIVE
     known: Mapping[str, str] = field(default_factory=dict, hash=False)
     pooled: CountedTables | None = None
+    backoff: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "prior", check_settings(self.prior, self.gait_prior))
@@ -60,6 +66,12 @@ class CountedTables(TableSource):
     @cached_property
     def effects(self) -> IndependentEffects | JointEffects:
         """P(Distance, Angle, Heading | Gait)."""
+        if self.pooled is not None and self.backoff is not None:
+            base = self.pooled.effects.local
+            local = {e: leaning_table(self.joint.marginal(e), base[e], self.backoff) for e in EFFECTS}
+            for table in local.values():
+                table.setflags(write=False)
+            return IndependentEffects.of_tables(local)
         return compile_effects(self.structure, self.joint, self.prior)
 
     @cached_property
@@ -71,8 +83,8 @@ class CountedTables(TableSource):
 
     @property
     def learned_cells(self) -> np.ndarray:
-        """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted; of all rows if these are none."""
-        if self.pooled is not None and not self.joint.total:
+        """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted; of all rows if these lean on them."""
+        if self.pooled is not None and (self.backoff is not None or not self.joint.total):
             return self.pooled.learned_cells
         return np.argwhere(self.joint.support > 0)
 
@@ -91,9 +103,19 @@ class CountedTables(TableSource):
         return pose
 
     def _mean_path(self, gait: int) -> np.ndarray:
-        if self.pooled is not None and not self.joint.marginal("Gait")[gait]:
+        rows = int(self.joint.marginal("Gait")[gait])
+        if self.pooled is None or (rows and self.backoff is None):
+            return self.joint.mean_poses(gait)
+        if not rows or self.backoff is None:
             return self.pooled.joint.mean_poses(gait)
-        return self.joint.mean_poses(gait)
+        base, seen = self.pooled.joint, int(self.pooled.joint.marginal("Gait")[gait])
+        return leaning_poses(self.joint.sums[gait], rows, base.sums[gait], seen, self.backoff, SCALE)
+
+    def pseudo_counts(self, variable: str) -> np.ndarray | float:
+        """Dirichlet pseudo-counts of each cell: [K, G] where the part leans on the pooled tables."""
+        if self.pooled is None or self.backoff is None or variable == "Gait":
+            return self.prior
+        return self.backoff * self.pooled.effects.local[variable]
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of this context; all, if there is none."""
@@ -104,7 +126,8 @@ class CountedTables(TableSource):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Without what is derived: a worker process makes it again, faster than it could receive it.
-        return CountedTables, (self.joint, self.prior, self.gait_prior, self.structure, dict(self.known), self.pooled)
+        known, leant = dict(self.known), (self.pooled, self.backoff)
+        return CountedTables, (self.joint, self.prior, self.gait_prior, self.structure, known, *leant)
 
 
 @dataclass(frozen=True)
@@ -112,6 +135,8 @@ class ContextTables(TableSource):
     """Tables of rows counted by the gait before: P(effect | Gait, PreviousGait).
 
     by_previous: the counts of the rows after each gait; ``joint`` holds the same rows together.
+    backoff: rows that P(effect | Gait) is worth in each P(effect | Gait, PreviousGait), instead of the prior; the
+        prior then smooths P(effect | Gait). None: no back-off.
 
     Asked directly, they answer as if the gait before were not known (summed over); :meth:`given` has the
     tables after one that is. Poses and learned coordinates are those of all rows.
@@ -121,9 +146,12 @@ class ContextTables(TableSource):
     prior: float = 0.0
     gait_prior: str = "uniform"
     structure: Structure = PREVIOUS_GAIT
+    backoff: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "prior", check_settings(self.prior, self.gait_prior))
+        if self.backoff is not None:
+            object.__setattr__(self, "backoff", check_strength(self.backoff))
         if self.structure != PREVIOUS_GAIT:
             raise InputError("this structure is fitted to JointCounts; counts by the gait before are for previous_gait")
 
@@ -150,9 +178,17 @@ class ContextTables(TableSource):
     @cached_property
     def effects(self) -> JointEffects:
         """P(Distance, Angle, Heading | Gait), the gait before summed over."""
-        local = local_tables(PREVIOUS_GAIT, self.cells, self.prior)
+        local = local_tables(PREVIOUS_GAIT, self.cells, self.prior) if self.backoff is None else self._leaning()
         sizes = (len(self.gaits), *self.axes.shape)
         return JointEffects.of_tables(PREVIOUS_GAIT, local, sizes, {PREVIOUS: self.causes[PREVIOUS]})
+
+    def _leaning(self) -> dict[str, np.ndarray]:
+        """P(effect | Gait, PreviousGait) [K, G, G] with back-off to P(effect | Gait)."""
+        assert self.backoff is not None
+        check_size(PREVIOUS_GAIT, self.cells)
+        base = self.pooled.effects.local
+        counts = {effect: self.cells.tabulate((effect, "Gait", PREVIOUS)) for effect in EFFECTS}
+        return {e: leaning_table(counts[e], base[e][:, :, None], self.backoff) for e in EFFECTS}
 
     @cached_property
     def causes(self) -> dict[str, np.ndarray]:
@@ -179,7 +215,7 @@ class ContextTables(TableSource):
         if PREVIOUS not in context:
             return self
         part = self.by_previous.after[self.gaits.index(context[PREVIOUS])]
-        return CountedTables(part, self.prior, self.gait_prior, NAIVE, dict(context), self.pooled)
+        return CountedTables(part, self.prior, self.gait_prior, NAIVE, dict(context), self.pooled, self.backoff)
 
     def log_likelihood(self, seen: JointCounts | PreviousCounts) -> float:
         """Return the sum over rows of log P(Gait) + log P(effects | Gait, PreviousGait); -inf if one is 0."""
@@ -193,18 +229,28 @@ class ContextTables(TableSource):
         return rows.iloc[np.flatnonzero(previous_codes(rows, self.gaits) >= 0)]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return ContextTables, (self.by_previous, self.prior, self.gait_prior)
+        return ContextTables, (self.by_previous, self.prior, self.gait_prior, self.structure, self.backoff)
 
 
 def tables_of(
-    counts: JointCounts | PreviousCounts, prior: float, gait_prior: str, structure: Structure | None = None
+    counts: JointCounts | PreviousCounts,
+    prior: float | None = None,
+    gait_prior: str = "uniform",
+    structure: Structure | None = None,
+    backoff: float | None = None,
 ) -> CountedTables | ContextTables:
     """Return the tables of counted rows; the structure is by default the simplest of their kind.
 
+    prior: by default 0; with back-off 0.03, so that nothing within the axes is impossible.
+
     Raises InputError for a structure of the other kind, a bad prior or gait prior.
     """
+    if prior is None:
+        prior = 0.0 if backoff is None else PRIOR
     if isinstance(counts, PreviousCounts):
-        return ContextTables(counts, prior, gait_prior, PREVIOUS_GAIT if structure is None else structure)
+        return ContextTables(counts, prior, gait_prior, PREVIOUS_GAIT if structure is None else structure, backoff)
+    if backoff is not None:
+        raise InputError("backoff is for structure 'previous_gait': other tables have no context to lean on")
     return CountedTables(counts, prior, gait_prior, NAIVE if structure is None else structure)
 
 
@@ -218,7 +264,9 @@ def check_every_gait_seen(tables: CountedTables | ContextTables) -> None:
         raise DataError(
             f"gait {names[int(unseen[0])]!r} has no rows; babble it, or fit with a prior > 0 (there are {seen})"
         )
-    if isinstance(tables, ContextTables) and len(pairs := np.argwhere(tables.by_previous.pairs == 0)):
+    if not isinstance(tables, ContextTables) or tables.backoff is not None:
+        return
+    if len(pairs := np.argwhere(tables.by_previous.pairs == 0)):
         before, gait = (names[i] for i in pairs[0])
         raise DataError(
             f"structure 'previous_gait': gait {gait!r} was never babbled right after {before!r} ({len(pairs)} of "

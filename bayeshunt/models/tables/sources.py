@@ -32,6 +32,7 @@ class TableSource(ABC):
     joint: the rows counted, whatever their context; of given tables: gaits and bins, nothing counted.
     prior: Dirichlet pseudo-count per cell. gait_prior: "uniform" or "empirical".
     structure: the edges. known: states of other variables that the tables are conditioned on.
+    backoff: rows that P(effect | Gait) is worth in the tables given the gait before; None: no back-off.
     """
 
     joint: JointCounts
@@ -39,6 +40,7 @@ class TableSource(ABC):
     gait_prior: str
     structure: Structure
     known: Mapping[str, str]
+    backoff: float | None = None
 
     # --- what it is of ------------------------------------------------------------------------
 
@@ -69,6 +71,10 @@ class TableSource(ABC):
     @abstractmethod
     def causes(self) -> dict[str, np.ndarray]:
         """P(cause) [G] of each cause of the structure, PreviousGait first."""
+
+    def pseudo_counts(self, variable: str) -> np.ndarray | float:
+        """Dirichlet pseudo-counts behind P(variable | Gait): one for all cells, or [K, G]."""
+        return self.prior
 
     # --- counts -------------------------------------------------------------------------------
 
