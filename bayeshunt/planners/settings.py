@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeVar, dataclass_transform
 
-import annotated_types
 import numpy as np
 import pydantic
 from pydantic import BeforeValidator, ConfigDict, Field, SkipValidation, ValidationError
@@ -36,6 +35,8 @@ Switch = Annotated[bool, BeforeValidator(_plain)]
 _MADE = "made beforehand"
 File = Annotated[Kind, SkipValidation, _MADE]
 
+#: Limits as pydantic calls them.
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 _WORDS: dict[Any, str] = {int: "a whole number", float: "a number", bool: "true or false"}
 
 
@@ -106,12 +107,9 @@ def _range(info: FieldInfo, hint: Any) -> str:
     """Return the limits of a number, or the choices, in words."""
     if typing.get_origin(hint) is Literal:
         return " | ".join(typing.get_args(hint))
-    low = high = None
-    for limit in info.metadata:
-        if isinstance(limit, (annotated_types.Ge, annotated_types.Gt)):
-            low = (">=", limit.ge) if isinstance(limit, annotated_types.Ge) else (">", limit.gt)
-        elif isinstance(limit, (annotated_types.Le, annotated_types.Lt)):
-            high = ("<=", limit.le) if isinstance(limit, annotated_types.Le) else ("<", limit.lt)
+    limits = {sign: getattr(part, sign) for part in info.metadata for sign in _SIGNS if hasattr(part, sign)}
+    low = next(((_SIGNS[sign], limits[sign]) for sign in ("ge", "gt") if sign in limits), None)
+    high = next(((_SIGNS[sign], limits[sign]) for sign in ("le", "lt") if sign in limits), None)
     if low and high:
         return f"in {'[' if low[0] == '>=' else '('}{low[1]}, {high[1]}{']' if high[0] == '<=' else ')'}"
     return " ".join(map(str, low or high or ()))
@@ -139,4 +137,6 @@ def _expected(field: SettingField) -> str:
         return f"one of {', '.join(typing.get_args(hint))}"
     if hint not in _WORDS:
         return "a function"
+    if hint is float and not field.unit:
+        return f"a number {field.range.replace('>= ', 'of at least ')}".rstrip()
     return f"{field.unit or _WORDS[hint]} {field.range}".rstrip()
