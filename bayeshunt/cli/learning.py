@@ -80,6 +80,10 @@ def fit(
         float | None,
         typer.Option(help="Of previous_gait: rows that a gait's own table is worth after each gait, e.g. 5."),
     ] = None,
+    distance_bin: Annotated[float, typer.Option(help="Width of a distance bin [body lengths].")] = 0.1,
+    angle_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Angle.")] = 36,
+    heading_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Heading.")] = 36,
+    gait_prior: Annotated[str, typer.Option(help="P(Gait): uniform, or empirical (as often as babbled).")] = "uniform",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -88,17 +92,23 @@ def fit(
     Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif
     """
     from bayeshunt.config.loading import load_robot, recorded_robot
+    from bayeshunt.core.bins import EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.counting.streaming import count_tables, open_tables
     from bayeshunt.views.terminal import terminal
 
     tables = open_tables(data)
     maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
+    axes = EffectAxes.standard(
+        maker.gaits.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
+    )
     rows = sum(table.rows for table in tables)
     counts: Any
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        counts, provenance = count_tables(tables, maker.gaits, structure=structure, progress=advance)
-    model = ForwardModel.from_counts(counts, prior, structure=structure, backoff=backoff, provenance=provenance)
+        counts, provenance = count_tables(tables, maker.gaits, axes=axes, structure=structure, progress=advance)
+    model = ForwardModel.from_counts(
+        counts, prior, gait_prior=gait_prior, structure=structure, backoff=backoff, provenance=provenance
+    )
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)

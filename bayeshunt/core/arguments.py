@@ -37,7 +37,9 @@ class _Rule(typing.NamedTuple):
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """Return ``function`` with its arguments held to its type hints: InputError names the one that is wrong."""
+    """Return ``function`` with its arguments held to its type hints (but numbers): InputError names the wrong one."""
+    # Numbers are left to the checks of their range inside, which say better what is expected.
+    numbers = {_PLAIN[float].words, _PLAIN[int].words}
     names = [p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_POSITIONAL]
 
     @functools.wraps(function)
@@ -45,7 +47,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         rules = _rules(function)
         for name, value in (*zip(names, args, strict=False), *kwargs.items()):
             rule = rules.get(name)
-            if rule is not None and not rule.accepts(value):
+            if rule is not None and rule.words not in numbers and not rule.accepts(value):
                 raise InputError(f"{name}: expected {rule.words}, got {shown(value)}")
         return function(*args, **kwargs)
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.arguments import check_fields, checked
-from bayeshunt.core.checks import check_kind, check_numbers
+from bayeshunt.core.arguments import check_fields
+from bayeshunt.core.checks import check_kind, check_number, check_numbers
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
 
@@ -137,7 +137,6 @@ class EffectAxes:
         check_fields(self)
 
     @classmethod
-    @checked
     def standard(
         cls, body_length: float | None, *, distance_bin: float = 0.1, angle_bins: int = 36, heading_bins: int = 36
     ) -> EffectAxes:
@@ -150,8 +149,11 @@ class EffectAxes:
                 "the bins need a body length, which the gaits do not say: "
                 "give axes= or GaitRepertoire(gaits, body_length=, duration=)"
             )
+        width = check_number(distance_bin, "distance_bin") * check_number(body_length, "body_length")
+        check_kind(angle_bins, "angle_bins", Integral, "a whole number")
+        check_kind(heading_bins, "heading_bins", Integral, "a whole number")
         return cls(
-            Axis.linear("Distance", distance_bin * body_length),
+            Axis.linear("Distance", width),
             Axis.full_turn("Angle", angle_bins),
             Axis.full_turn("Heading", heading_bins),
             body_length=body_length,

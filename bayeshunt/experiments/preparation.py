@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.arena.rooms import RoomModel
@@ -29,6 +30,7 @@ def check_planners(settings: ExperimentSettings, planners: Iterable[str], *, hun
             check_hunts(name)
 
 
+@checked
 def learn_room(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,

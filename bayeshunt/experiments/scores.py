@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.config.schema.published import Published
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.tables.structures import NAIVE
@@ -55,6 +56,7 @@ def mean_interval(values: ArrayLike) -> tuple[float, float]:
     return mean - half, mean + half
 
 
+@checked
 def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[str, Any]]:
     """Return one row per planner, arena and bearing, and one with ``theta`` None for their total.
 

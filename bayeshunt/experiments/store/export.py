@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import DataError, InputError, ResultsError
 from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import as_evaluated, summarise
@@ -59,6 +60,7 @@ def check_output_folder(folder: str | os.PathLike[str]) -> Path:
     return path
 
 
+@checked
 def save_results(
     results: pd.DataFrame, settings: ExperimentSettings, seed: int, folder: str | os.PathLike[str]
 ) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar, Pose
@@ -28,6 +29,7 @@ def training_seed(seed: int, theta_index: int, run: int) -> int:
     return int(np.random.SeedSequence([seed, theta_index, run, _TRAINING]).generate_state(1, np.uint64)[0] >> 1)
 
 
+@checked
 def remember(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,

@@ -12,6 +12,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings, GaitSettings, RobotSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar
 from bayeshunt.data.babbling_table import path_columns
@@ -26,6 +27,7 @@ from bayeshunt.worlds.babbling import babble
 EXPECTED_SWEEPS = 110
 
 
+@checked
 def reference(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,

@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import DataError, InputError
@@ -97,6 +98,7 @@ class ForwardModel(OpenTables):
     # --- learning -----------------------------------------------------------------------------
 
     @classmethod
+    @checked
     def fit(
         cls,
         frame: pd.DataFrame,
@@ -174,6 +176,7 @@ class ForwardModel(OpenTables):
         return ForwardModel.over(tables, self.provenance, self.data)
 
     @classmethod
+    @checked
     def empty(
         cls,
         gaits: Iterable[Gait | str] | GaitRepertoire,

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays, statistics
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_radians, check_whole
 from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedError
@@ -149,6 +150,7 @@ class PreyModel:
         spread = 1.0 / (far * self.axes.angle.bins * self.axes.heading.bins)
         return float(np.log((seen * self._observations + spread) / (self._observations + 1.0)).sum())
 
+    @checked
     def merge(self, other: PreyModel) -> PreyModel:
         """Return a new model that has seen what both have seen; raises InputError if bins or conditions differ."""
         if other.axes != self.axes:

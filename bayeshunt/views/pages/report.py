@@ -13,6 +13,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import DataError
 from bayeshunt.core.units import theta
 from bayeshunt.experiments.protocol import learn_model
@@ -33,6 +34,7 @@ from bayeshunt.views.pages.report_gallery import Shelf, build_shelf
 Progress = Callable[[int], None]
 
 
+@checked
 def write_report(
     results: pd.DataFrame,
     path: str | os.PathLike[str],

@@ -1,0 +1,62 @@
+"""Arguments of the wrong kind: one line that names them, from their type hints, in public functions and values."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bayeshunt as bh
+
+FRAME = pd.DataFrame({"gait": ["a", "b"], "distance": [0.1, 0.2], "angle": [0.0, -1.0], "heading": [3.0, 0.0]})
+AXES = bh.EffectAxes.standard(0.1)
+SETTINGS = bh.load_experiment("paper")
+POSE, POLAR = bh.Pose(0.0, 0.0, 0.0), bh.Polar(1.0, 0.0, 0.0)
+
+CALLS = {
+    "PreyModel": ("axes", lambda: bh.PreyModel(0.35)),
+    "PreyModel.merge": ("other", lambda: bh.PreyModel(AXES).merge(3)),
+    "fit axes": ("axes", lambda: bh.ForwardModel.fit(FRAME, ["a", "b"], axes=36)),
+    "fit structure": ("structure", lambda: bh.ForwardModel.fit(FRAME, ["a", "b"], axes=AXES, structure=3)),
+    "empty": ("axes", lambda: bh.ForwardModel.empty(["a"], axes="x")),
+    "write_report": ("results", lambda: bh.write_report("results", "x.html")),
+    "write_replay": ("episode", lambda: bh.write_replay("episode.parquet", "x.html")),
+    "save_results": ("settings", lambda: bh.save_results(FRAME, "paper", 0, "out")),
+    "summarise": ("results", lambda: bh.summarise("results", SETTINGS)),
+    "wilson": ("runs", lambda: bh.wilson_interval(1, "2")),
+    "save_dataset": ("frame", lambda: bh.save_dataset("x", "y.parquet")),
+    "relative": ("other", lambda: POSE.relative((1, 1, 0))),
+    "pose compose": ("seen", lambda: POSE.compose((1, 1, 0))),
+    "compose": ("other", lambda: POLAR.compose(None)),
+    "seen_from": ("observer", lambda: POLAR.seen_from("x")),
+    "numbers inside": ("other", lambda: POSE.relative(bh.Pose("a", "b", "c"))),
+    "wrap": ("angle", lambda: bh.wrap("x")),
+    "repertoire": ("gaits", lambda: bh.GaitRepertoire(("a", "b"))),
+    "repertoire of text": ("gaits", lambda: bh.GaitRepertoire("ab")),
+    "gait": ("command", lambda: bh.Gait("a", 3)),
+    "gait command": ("command", lambda: bh.Gait("a", ("x", 1))),
+    "axis": ("width", lambda: bh.Axis("Distance", [0, 0.1], 3)),
+    "axis bins": ("bins", lambda: bh.Axis("Distance", 0.1, "3")),
+    "axis name": ("name", lambda: bh.Axis(3, 0.1, 3)),
+    "full turn": ("bins", lambda: bh.Axis.full_turn("Angle", 3.5)),
+    "axes": ("distance", lambda: bh.EffectAxes(1, 2, 3)),
+    "standard": ("body_length", lambda: bh.EffectAxes.standard("x")),
+    "standard bins": ("angle_bins", lambda: bh.EffectAxes.standard(0.1, angle_bins=[36])),
+}
+
+
+@pytest.mark.parametrize("case", CALLS)
+def test_the_argument_is_named_in_one_line(case):
+    name, call = CALLS[case]
+    with pytest.raises(bh.InputError) as caught:
+        call()
+    message = str(caught.value)
+    assert name in message
+    assert "\n" not in message
+    assert "expected" in message
+
+
+def test_numbers_of_numpy_are_numbers_and_signatures_stay():
+    import inspect
+
+    assert bh.wilson_interval(np.int64(1), np.int32(2)) == bh.wilson_interval(1, 2)
+    assert list(inspect.signature(bh.ForwardModel.fit).parameters)[:3] == ["frame", "gaits", "prior"]
+    assert bh.Axis("Distance", np.float64(0.1), np.int64(3)).bins == 3
