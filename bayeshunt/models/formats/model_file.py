@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
+from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import BayesHuntError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.atomic import replace_atomically
@@ -175,7 +176,9 @@ def _model(content: Any, structure: Structure) -> Stored:
         duration=_measure(content["duration"]),
     )
     axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
-    prior, gait_prior, provenance = content["prior"], content["gait_prior"], dict(content["provenance"])
+    # None would be taken for a default, and a file says what it was fitted with
+    prior = check_pseudo_count(content["prior"], "prior")
+    gait_prior, provenance = content["gait_prior"], dict(content["provenance"])
     if depends_on_previous(structure):
         if structure != PREVIOUS_GAIT:
             raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
