@@ -6,6 +6,7 @@ heading. The odometry frame is the one in which the hunter started at (0, 0, 0).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -56,16 +57,22 @@ class Ray(NamedTuple):
 
 
 class Detection(NamedTuple):
-    """One thing in one frame of a sensor, as seen from the robot's pose in that frame.
+    """One thing in one frame of a sensor: as it was seen from there, or where it is, or both.
 
-    seen: distance [m], bearing and heading [rad clockwise]; NaN for what was not measured.
-    sd: standard deviations of the three; None: exact. pose: where the thing is in the odometry frame, if the sensor
-    knows that to the last bit; None: to be worked out from ``seen``.
+    seen: from the robot's pose in that frame: distance [m], bearing and heading [rad clockwise]; NaN for what was not
+    measured. pose: where it is in the odometry frame, of a sensor that knows; its heading may be NaN.
+    sd: standard deviations of the three of ``seen``; None: exact.
     """
 
-    seen: Polar
-    sd: Polar | None = None
+    seen: Polar | None = None
     pose: Pose | None = None
+    sd: Polar | None = None
+
+    def placed(self, own: Pose) -> Pose:
+        """Return where it is in the odometry frame, if ``own`` is the robot's pose in this frame of the sensor."""
+        if self.pose is not None:
+            return self.pose
+        return Pose(math.nan, math.nan, math.nan) if self.seen is None else own.compose(self.seen)
 
 
 class Frame(NamedTuple):

@@ -2,8 +2,8 @@
 
 SI units; fixed frames counter-clockwise, :class:`Polar` clockwise; A actuators, N samples, J times. Every class here is
 a promise, not a base: whatever has these members will do. ``rng`` is always a required keyword and the only source of
-chance. Each has a check that you can run over your own:
-``bayeshunt.check_world`` and so on.
+chance. Each door has a check to run over your own:
+``bayeshunt.check_world`` and its like.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from bayeshunt.core.gaits import Gait
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.messages import Detection, Frame, Moment, Observation, Ray, Reach, Run
 from bayeshunt.core.task import Task
 
@@ -131,7 +131,7 @@ class Belief(Protocol):
         """How sure the heading is, 0 (unknown) to 1 (known): the mean resultant length of its direction."""
 
     @property
-    def covariance(self) -> np.ndarray:
+    def covariance(self) -> FloatArray:
         """Of x, y, theta: [3, 3]; inf where nothing is known."""
 
     @property
@@ -142,7 +142,7 @@ class Belief(Protocol):
     def transitions(self) -> tuple[Polar, ...]:
         """Its pose transitions that were observed, oldest first, each in its own earlier frame, one per time-step."""
 
-    def sample(self, n: int, *, rng: np.random.Generator) -> Pose:
+    def sample(self, n: int, *, rng: np.random.Generator) -> Pose[FloatArray]:
         """Return ``n`` poses that it may have: a Pose of arrays [N]."""
 
     def in_view(self) -> float:
@@ -178,7 +178,7 @@ class TargetModel(Protocol):
     def observe(self, transition: Polar) -> None:
         """Learn one pose transition, given in the prey's own earlier frame, one time-step long."""
 
-    def predict_path(self, steps: int) -> Polar:
+    def predict_path(self, steps: int) -> Polar[FloatArray]:
         """Return its expected poses 0..steps ahead in its present frame: Polar of arrays [steps + 1]."""
 
     def copy(self) -> TargetModel:

@@ -67,7 +67,7 @@ class Step(NamedTuple):
             **_path("predicted", plan.predicted_prey),
             **_path("planned", _planned_path(plan)),
             **_alternatives(plan),
-            "prey_table": _prey_table(learned),
+            "prey_table": [list(map(float, row)) for row in learned.cells()],
         }
         return cls(values, plan, situation)
 
@@ -122,16 +122,6 @@ def _first_gaits(trace: pd.DataFrame) -> list[str | None]:
     if "gaits" in trace:  # sequences written run by run: "straight x3, wide left x1"
         return [re.split(r" x\d+(?:, |$)", text, maxsplit=1)[0] or None for text in trace["gaits"]]
     return gaits
-
-
-def _prey_table(prey_model: Any) -> list[list[float]]:
-    """What is known of the prey: [distance m, angle, heading rad (cell centres), count] per cell seen."""
-    axes = prey_model.axes
-    rows = prey_model.to_dict()["counts"]
-    return [
-        [(d + 0.5) * axes.distance.width, float(axes.angle.centres[a]), float(axes.heading.centres[h]), float(n)]
-        for d, a, h, n in rows
-    ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,16 +15,22 @@ from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_radians, check_whole
-from bayeshunt.core.geometry import Polar, in_frame
-from bayeshunt.core.messages import Moment
+from bayeshunt.core.messages import Moment, Run
+from bayeshunt.core.protocols import TargetModel
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.episodes.episode import Episode, Step
+from bayeshunt.episodes.hunter import Hunter
 from bayeshunt.episodes.trial import Trial
-from bayeshunt.models.target.prey import PreyModel
-from bayeshunt.planners.api import Future, Plan, Planner, Situation
-from bayeshunt.planners.asking import ask, check_can_plan, check_robot
+from bayeshunt.models.target.registry import make_prey_model
+from bayeshunt.perception.registry import make_sensor, make_tracker
+from bayeshunt.perception.setting import PerceptionContext
+from bayeshunt.planners.api import Future, Planner
+from bayeshunt.planners.asking import check_can_plan, check_robot
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.registry import check_sections, foresight_of
+from bayeshunt.worlds.scene import HUNTER, PREY
+
+__all__ = ["Result", "hunt", "run_hunt"]
 
 
 class Result(NamedTuple):
@@ -49,7 +55,7 @@ def hunt(
     arena: str = "walled",
     theta: float = 1.0,
     seed: int = 0,
-    prey_model: PreyModel | None = None,
+    prey_model: TargetModel | None = None,
 ) -> Episode:
     """Run one hunt and return all of it.
 
@@ -66,15 +72,18 @@ def hunt(
     check_robot(planner, settings.robot.gaits, settings.robot.name)
     steps: list[Step] = []
     trail: list[Moment] = []
-    trial = _Hunt(settings, arena, theta, seed, prey_model, trail)
-    for situation, plan, moment, observed in trial.decide(planner):
+    running = _Hunt(settings, planner, arena, theta, seed, prey_model, trail)
+    hunter = running.hunter
+    for moment in running.decide():
+        assert hunter.situation is not None  # it has just decided
+        assert hunter.plan is not None
         # The prey model goes on learning: the record keeps what was known at this decision.
-        situation = replace(situation, prey_model=trial.prey_model.copy())
-        steps.append(Step.of(len(steps), moment, situation, plan, observed))
+        situation = replace(hunter.situation, prey_model=hunter.prey_model.copy())
+        steps.append(Step.of(len(steps), moment, situation, hunter.plan, hunter.observed))
     return Episode.assemble(
         steps,
         trail,
-        trial.result,
+        running.result,
         settings=settings,
         planner=planner.name,
         arena=arena,
@@ -85,66 +94,60 @@ def hunt(
 
 def run_hunt(
     settings: ExperimentSettings, planner: Planner, arena: str, theta: float, seed: int,
-    prey_model: PreyModel | None = None,
+    prey_model: TargetModel | None = None,
 ) -> Result:  # fmt: skip
     """Run one hunt and return only how it ended: the same hunt as :func:`hunt`, without the record."""
-    trial = _Hunt(settings, arena, theta, seed, prey_model, None)
+    running = _Hunt(settings, planner, arena, theta, seed, prey_model, None)
     if isinstance(planner, KinematicLimit):
-        return trial.limit(planner)
-    for _ in trial.decide(planner):
+        return running.limit(planner)
+    for _ in running.decide():
         pass
-    return trial.result
+    return running.result
 
 
 class _Hunt:
-    """One hunt in progress."""
+    """One hunt in progress: a trial in a world, what the hunter perceives of it, and who decides."""
 
     def __init__(
-        self, settings: ExperimentSettings, arena: str, theta: float, seed: int,
-        prey_model: PreyModel | None, trail: list[Moment] | None,
+        self, settings: ExperimentSettings, planner: Planner, arena: str, theta: float, seed: int,
+        prey_model: TargetModel | None, trail: list[Moment] | None,
     ) -> None:  # fmt: skip
         _check(settings, arena, theta, seed, prey_model)
-        self.settings = settings
-        self.trail = trail
+        self.settings, self.planner, self.trail = settings, planner, trail
         streams = spawn_streams(seed)
-        self.rng = streams["planner"]
-        self.prey_model = prey_model.copy() if prey_model is not None else PreyModel(_prey_axes(settings))
         self.trial = Trial(settings, arena, float(theta), streams)
-        self.transitions = self.decisions = 0
+        gaits, sensing = settings.robot.gaits, settings.sensing
+        context = PerceptionContext(
+            gaits.duration, gaits.body_length, settings.prey.body.diameter, self.trial.start, HUNTER, PREY
+        )
+        self.sensor = make_sensor(sensing.sensor, context, sensing.sensor_settings)
+        self.hunter = Hunter(
+            planner, sensing=make_tracker(sensing.tracker, context, sensing.tracker_settings), gaits=gaits,
+            prey_model=make_prey_model(settings.prey.model, _prey_axes(settings)) if prey_model is None else prey_model,
+            task=self.trial.task, streams=streams,
+        )  # fmt: skip
+        self._rng = streams["sensor"]
+        self.changes = 0
 
     @property
     def result(self) -> Result:
         """How the hunt ended (or stands)."""
         trial = self.trial
-        return Result(trial.caught, trial.time, self.decisions, self.transitions, trial.distance)
+        return Result(trial.caught, trial.time, self.hunter.steps, self.changes, trial.distance)
 
-    def decide(self, planner: Planner) -> Iterator[tuple[Situation, Plan, Moment, Polar | None]]:
-        """Yield each decision: the situation, the plan, the poses, and the prey transition just observed."""
-        trial, robot = self.trial, self.settings.robot
-        gaits = robot.gaits
-        previous_gait = None
-        foresight = foresight_of(planner)
-        previous: Moment | None = None
-        transitions: tuple[Polar, ...] = ()
+    def decide(self) -> Iterator[Moment]:
+        """Take every decision; yield the moment of each before it is carried out."""
+        trial, hunter, sensor = self.trial, self.hunter, self.sensor
+        foresight, world_map, rng = foresight_of(self.planner), trial.world.map, self._rng
+        run = Run((trial.moment,))
         while not trial.done:
-            moment = trial.moment
-            observed = self._observe(previous, moment)
-            if observed is not None:
-                transitions = (*transitions, observed)
-            hunter = moment.poses["hunter"]
-            situation = Situation(
-                prey=hunter.relative(moment.poses["prey"]), prey_model=self.prey_model,
-                body_length=robot.body.diameter, time=moment.time, step=self.decisions,
-                previous_gait=previous_gait, time_step=robot.gait_duration,
-                transitions=transitions, pose=in_frame(hunter, trial.start), task=trial.task,
-                future=Future(*trial.future(foresight)) if foresight else None,
-            )  # fmt: skip
-            plan = ask(planner, situation, self.rng, gaits)
-            yield situation, plan, moment, observed
-            self.decisions += 1
-            self.transitions += previous_gait is not None and plan.gait != previous_gait
-            previous, previous_gait = moment, plan.gait
-            run = trial.step(gaits[plan.gait])
+            before = hunter.plan
+            seen = sensor.sense(run, world_map, rng=rng)
+            future = Future(*trial.future(foresight)) if foresight else None
+            plan = hunter.step(seen.pose, seen, trial.moment.time, future=future)
+            self.changes += before is not None and plan.gait != before.gait
+            yield trial.moment
+            run = trial.step(hunter.gaits[plan.gait])
             if self.trail is not None:
                 self.trail.extend(run.moments)
 
@@ -155,14 +158,6 @@ class _Hunt:
         caught = time <= limit
         time = min(time, limit)
         return Result(caught, time, 0, 0, speed * time)
-
-    def _observe(self, previous: Moment | None, moment: Moment) -> Polar | None:
-        """Learn the prey's last transition, in its own earlier frame."""
-        if previous is None:
-            return None
-        transition = previous.poses["prey"].relative(moment.poses["prey"])
-        self.prey_model.observe(transition)
-        return transition
 
 
 def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
@@ -175,9 +170,9 @@ def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
     )
 
 
-def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: PreyModel | None) -> None:
+def _check(settings: ExperimentSettings, arena: str, theta: float, seed: int, prey_model: TargetModel | None) -> None:
     check_whole(seed, "seed", 0)
     check_radians(theta, "theta")
     settings.check_arena(arena, theta)
     if prey_model is not None:
-        check_kind(prey_model, "prey_model", PreyModel, "a PreyModel or None")
+        check_kind(prey_model, "prey_model", TargetModel, "a PreyModel or None")

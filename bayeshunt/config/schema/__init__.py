@@ -12,6 +12,7 @@ from bayeshunt.config.schema.model import ModelSettings
 from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
 from bayeshunt.config.schema.robot import RobotSettings
+from bayeshunt.config.schema.sensing import SensingSettings
 
 __all__ = [
     "ArenaSettings",
@@ -26,5 +27,6 @@ __all__ = [
     "PreySettings",
     "ProtocolSettings",
     "RobotSettings",
+    "SensingSettings",
     "Settings",
 ]

@@ -13,6 +13,7 @@ from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
 from bayeshunt.config.schema.published import Published, Reported
 from bayeshunt.config.schema.robot import RobotSettings
+from bayeshunt.config.schema.sensing import SensingSettings
 from bayeshunt.core.errors import ConfigError, did_you_mean
 from bayeshunt.core.geometry import Polar, Pose
 
@@ -31,6 +32,7 @@ class ExperimentSettings(ShownSettings):
     )
     world: str = Field("box2d", min_length=1, description="what moves the bodies: box2d or a registered world")
     physics: PhysicsSettings = Field(default_factory=PhysicsSettings)
+    sensing: SensingSettings = Field(default_factory=SensingSettings)
     protocol: ProtocolSettings = Field(default_factory=ProtocolSettings)
     model: ModelSettings = Field(default_factory=ModelSettings)
     planners: tuple[str, ...] = Field(

@@ -241,6 +241,14 @@ class PreyModel:
         np.cumsum(strides[drawn] * np.exp(1j * headings[:, :-1]), axis=1, out=places[:, 1:])
         return Polar.from_cartesian(places.real, places.imag, headings)
 
+    def cells(self) -> list[list[float]]:
+        """Return [distance m, angle rad, heading rad (cell centres), count] of every cell seen, in table order."""
+        axes = self.axes
+        return [
+            [(d + 0.5) * axes.distance.width, float(axes.angle.centres[a]), float(axes.heading.centres[h]), float(n)]
+            for (d, a, h), n in sorted(self._counts.items())
+        ]
+
     # --- storing ------------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,251 @@
+"""The hunter's mind, one decision at a time: for the hunts of this package and for a loop of one's own.
+
+It holds what a hunter knows between two decisions: the belief, the prey model, the gait before, the time. The world is
+outside: whoever owns it says where the hunter is and what it sees, and executes the gait of the plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bayeshunt.config.schema.sensing import SensingSettings
+from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.checks import check_number, check_whole
+from bayeshunt.core.errors import InputError, shown
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.core.geometry import Polar, Pose, in_frame
+from bayeshunt.core.messages import Detection, Frame, Observation
+from bayeshunt.core.protocols import Belief, TargetModel, Tracker
+from bayeshunt.core.streams import spawn_streams
+from bayeshunt.core.task import Task
+from bayeshunt.models.target.registry import COUNTS, is_prey_model, make_prey_model
+from bayeshunt.perception.registry import make_tracker
+from bayeshunt.perception.setting import PerceptionContext
+from bayeshunt.planners.api import Future, Plan, Planner, Situation
+from bayeshunt.planners.asking import ask, check_can_plan
+
+if TYPE_CHECKING:
+    from bayeshunt.models.body.forward import ForwardModel
+
+__all__ = ["Hunter"]
+
+_MAKE = 'bayeshunt.make_planner("intercept", model)'
+
+
+class Hunter:
+    """Chooses gaits in a loop of one's own: ``plan = hunter.step(own_pose, seen)``, execute ``plan.gait``, again.
+
+    planner: one of ``make_planner``, one of your own, or a name: then ``model`` is needed.
+    model: the hunter's forward model; it says the gaits, how long one is held, and the body's length. A planner of
+        ``make_planner`` knows it already.
+    sensing: what turns sightings into a belief: the name of a tracker, ``SensingSettings`` or a tracker of your own;
+        None: the exact one, which believes what it is told.
+    seed: of all that the planner and the tracker draw.
+    prey_model: what is known of the prey beforehand (it is copied); None: nothing. task: what counts as a catch; None:
+        1.02 bodies. gaits: the repertoire, if neither planner nor model says it. streams: generators by role
+        instead of the seed's.
+
+    belief, prey_model, situation, plan, time [s] and steps are there to look at; ``observed`` is the prey transition
+    that the last step has learned, or None; ``skipped`` counts the steps whose transition was not learned.
+
+    Raises InputError, naming the argument, for what cannot be used.
+    """
+
+    def __init__(
+        self, planner: Planner | str, model: ForwardModel | None = None, sensing: Any = None, seed: int = 0, *,
+        prey_model: TargetModel | None = None, task: Task | None = None, gaits: GaitRepertoire | None = None,
+        streams: Mapping[str, np.random.Generator] | None = None,
+    ) -> None:  # fmt: skip
+        check_whole(seed, "seed", 0)
+        self.planner = _planner(planner, model)
+        self.gaits = _gaits(self.planner, model, gaits)
+        self.task = Task() if task is None else task
+        self.prey_model = _prey_model(prey_model, model, self.gaits)
+        self._tracker = _tracker(sensing, self.gaits)
+        streams = spawn_streams(seed) if streams is None else streams
+        self._rng, self._belief_rng = streams["planner"], streams["belief"]
+        self._origin: Pose | None = None  # of the odometry, in the caller's frame
+        self._passed = 0.0
+        self.belief: Belief | None = None
+        self.situation: Situation | None = None
+        self.plan: Plan | None = None
+        self.observed: Polar | None = None
+        self.observation: Observation | None = None
+        self.time, self.steps, self.skipped = 0.0, 0, 0
+
+    def step(
+        self, own_pose: Pose, seen: Pose | Observation | None, time: float | None = None, *,
+        future: Future | None = None,
+    ) -> Plan:  # fmt: skip
+        """Return the plan for now; its gait is taken to be executed until the next call.
+
+        own_pose: the hunter's pose [m, rad] in any fixed counter-clockwise frame, the same in every call.
+        seen: the prey's pose in that frame, whose heading may be NaN; an Observation of detections; None: not seen.
+        time: seconds; by default one gait's duration after the call before. A transition of the prey over another
+        time (by more than a tenth) is not learned, and :meth:`explain` says so.
+        future: the prey's true future, for a planner that is a bound and needs it.
+
+        Raises InputError for a pose that is not of finite numbers, a time that does not go on, or a faulty planner.
+        """
+        observation = self._observe(own_pose, seen, self._clock(time))
+        self._believe(observation)
+        assert self.belief is not None
+        situation = Situation(
+            prey=observation.pose.relative(self.belief.mean), prey_model=self.prey_model,
+            body_length=self.gaits.body_length, time=observation.time, step=self.steps,
+            previous_gait=None if self.plan is None else self.plan.gait, time_step=self.gaits.duration,
+            transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
+            belief=self.belief,
+        )  # fmt: skip
+        self.plan = ask(self.planner, situation, self._rng, self.gaits)
+        self.situation, self.observation = situation, observation
+        self.time, self.steps = observation.time, self.steps + 1
+        return self.plan
+
+    def explain(self) -> str:
+        """Return in a few lines what the last step saw, what it learned of the prey, and why it chose its gait."""
+        if self.plan is None or self.belief is None:
+            return "nothing yet: call step(own_pose, seen)"
+        lines = [f"step {self.steps}, {self.time:g} s: {self._sighting()}", self._learning()]
+        if self.skipped:
+            lines.append(f"{self.skipped} of {self.steps - 1} transitions were not learned")
+        lines.append(
+            f"{self.planner.name} chose {self.plan.gait!r}: {self.plan.objective} {self.plan.value:.4g}, "
+            f"{self.plan.nodes} considered"
+        )
+        return "\n".join(lines)
+
+    # --- inside -------------------------------------------------------------------------------
+
+    def _clock(self, time: float | None) -> float:
+        """Seconds of this call."""
+        if time is None:
+            return 0.0 if not self.steps else self.time + _duration(self.gaits)
+        now = check_number(time, "time", "seconds")
+        if self.steps and not now > self.time:
+            raise InputError(f"time: expected seconds after the {self.time:g} of the call before, got {now:g}")
+        return now
+
+    def _observe(self, own_pose: Pose, seen: Pose | Observation | None, time: float) -> Observation:
+        """Bring what the caller says into the odometry frame, in which the hunter started at (0, 0, 0)."""
+        own = _pose(own_pose, "own_pose")
+        if self._origin is None:
+            self._origin = own
+        origin = self._origin
+        if isinstance(seen, Observation):
+            frames = tuple(_moved(frame, origin) for frame in seen.frames)
+            return Observation(time, in_frame(own, origin), frames, seen.covariance)
+        found = () if seen is None else (Detection(pose=in_frame(_pose(seen, "seen", heading=False), origin)),)
+        pose = in_frame(own, origin)
+        return Observation(time, pose, (Frame(time, pose, found),))
+
+    def _believe(self, observation: Observation) -> None:
+        """Update the belief; learn the prey's transitions that it has gained."""
+        before = self.belief
+        self.observed = None
+        if before is None or self.plan is None:
+            self.belief = self._tracker.start(observation)
+            return
+        gait = self.gaits[self.plan.gait]
+        self._passed = observation.time - self.time
+        self.belief = self._tracker.update(before, gait, observation, rng=self._belief_rng)
+        for transition in self.belief.transitions[len(before.transitions) :]:
+            self.prey_model.observe(transition)
+            self.observed = transition
+        self.skipped += self.observed is None
+
+    def _sighting(self) -> str:
+        assert self.belief is not None
+        if self.belief.last_seen == 0.0:
+            return "the prey is seen"
+        if math.isinf(self.belief.last_seen):
+            return "the prey was never seen; where it is taken to be is a guess"
+        return f"the prey was last seen {self.belief.last_seen:.3g} s ago"
+
+    def _learning(self) -> str:
+        if self.observed is not None:
+            return f"its transition was learned, the {_ordinal(self.prey_model.observations)}"
+        if self.steps == 1:
+            return "no transition yet: this is the first step"
+        step = self.gaits.duration
+        if step is not None and not math.isclose(self._passed, step, rel_tol=0.1):
+            return f"its transition was not learned: {self._passed:.4g} s have passed, a gait lasts {step:.4g} s"
+        return "its transition was not learned: it was not seen, with a heading, at both ends"
+
+
+def _planner(planner: Planner | str, model: ForwardModel | None) -> Planner:
+    if isinstance(planner, str):
+        if model is None:
+            raise InputError(f"model: a planner given by name, {planner!r}, needs the hunter's forward model")
+        from bayeshunt.planners.registry import make_planner  # brings every planner, and pandas
+
+        return make_planner(planner, model)
+    check_can_plan(planner)
+    return planner
+
+
+def _gaits(planner: Planner, model: ForwardModel | None, gaits: GaitRepertoire | None) -> GaitRepertoire:
+    """The hunter's repertoire: as given, the model's, or the one that the planner was made for."""
+    own = getattr(planner, "hunter", None)
+    own = own if isinstance(own, GaitRepertoire) else None
+    given = gaits if gaits is not None else None if model is None else model.gaits
+    if given is None:
+        if own is None:
+            raise InputError(f"model: planner {planner.name!r} does not say which gaits the robot has; give model= too")
+        return own
+    if own is not None and own.names != given.names:
+        raise InputError(f"planner: made for the gaits {', '.join(own.names)}; the hunter has {', '.join(given.names)}")
+    return given
+
+
+def _duration(gaits: GaitRepertoire) -> float:
+    if gaits.duration is None:
+        raise InputError("time: the gaits do not say how long one is held; give the time of every step")
+    return gaits.duration
+
+
+def _prey_model(known: TargetModel | None, model: ForwardModel | None, gaits: GaitRepertoire) -> TargetModel:
+    if known is None:
+        return make_prey_model(COUNTS, EffectAxes.standard(gaits.body_length) if model is None else model.axes)
+    if not is_prey_model(known):
+        raise InputError(f"prey_model: expected a PreyModel or None, got {shown(known)}")
+    return known.copy()
+
+
+def _tracker(sensing: Any, gaits: GaitRepertoire) -> Tracker:
+    if isinstance(sensing, Tracker):
+        return sensing
+    settings = SensingSettings(tracker=sensing) if isinstance(sensing, str) else sensing or SensingSettings()
+    if not isinstance(settings, SensingSettings):
+        raise InputError(f"sensing: expected the name of a tracker, SensingSettings or a Tracker, got {shown(sensing)}")
+    context = PerceptionContext(time_step=gaits.duration, body_length=gaits.body_length)
+    return make_tracker(settings.tracker, context, settings.tracker_settings)
+
+
+def _pose(value: Any, name: str, *, heading: bool = True) -> Pose:
+    """A pose of floats; ``heading``: whether its heading must be known."""
+    try:
+        pose = Pose(*(float(part) for part in value))
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: expected a Pose(x, y, theta) of numbers [m, rad], got {shown(value)}") from None
+    finite = math.isfinite(pose.x) and math.isfinite(pose.y)
+    if not finite or math.isinf(pose.theta) or (heading and math.isnan(pose.theta)):
+        raise InputError(f"{name}: expected finite numbers{'' if heading else ', or a heading of NaN'}, got {pose}")
+    return pose
+
+
+def _moved(frame: Frame, origin: Pose) -> Frame:
+    """A frame of a sensor, told in the odometry frame."""
+    found = tuple(
+        one if one.pose is None else one._replace(pose=in_frame(_pose(one.pose, "seen", heading=False), origin))
+        for one in frame.detections
+    )
+    return Frame(frame.time, in_frame(_pose(frame.pose, "seen"), origin), found)
+
+
+def _ordinal(number: int) -> str:
+    return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")

@@ -1,0 +1,1 @@
+"""Trackers: what is believed after an observation."""
