@@ -26,7 +26,7 @@ from bayeshunt.models.target.registry import COUNTS, is_prey_model, make_prey_mo
 from bayeshunt.perception.registry import make_tracker
 from bayeshunt.perception.setting import PerceptionContext
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
-from bayeshunt.planners.asking import ask, check_can_plan
+from bayeshunt.planners.asking import ask, check_can_plan, check_robot
 
 if TYPE_CHECKING:
     from bayeshunt.models.body.forward import ForwardModel
@@ -124,7 +124,7 @@ class Hunter:
     def _clock(self, time: float | None) -> float:
         """Seconds of this call."""
         if time is None:
-            return 0.0 if not self.steps else self.time + _duration(self.gaits)
+            return 0.0 if not self.steps else self.time + self.gaits.need("duration")
         now = check_number(time, "time", "seconds")
         if self.steps and not now > self.time:
             raise InputError(f"time: expected seconds after the {self.time:g} of the call before, got {now:g}")
@@ -197,15 +197,8 @@ def _gaits(planner: Planner, model: ForwardModel | None, gaits: GaitRepertoire |
         if own is None:
             raise InputError(f"model: planner {planner.name!r} does not say which gaits the robot has; give model= too")
         return own
-    if own is not None and own.names != given.names:
-        raise InputError(f"planner: made for the gaits {', '.join(own.names)}; the hunter has {', '.join(given.names)}")
+    check_robot(planner, given, "the hunter")
     return given
-
-
-def _duration(gaits: GaitRepertoire) -> float:
-    if gaits.duration is None:
-        raise InputError("time: the gaits do not say how long one is held; give the time of every step")
-    return gaits.duration
 
 
 def _prey_model(known: TargetModel | None, model: ForwardModel | None, gaits: GaitRepertoire) -> TargetModel:
