@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from bayeshunt.core import displays
 
 if TYPE_CHECKING:
+    from bayeshunt import protocols
     from bayeshunt.config.loading import load_experiment, load_robot
-    from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+    from bayeshunt.config.schema import DriveSettings, ExperimentSettings, RobotSettings
     from bayeshunt.core.bins import Axis, EffectAxes
     from bayeshunt.core.errors import (
         BayesHuntError,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from bayeshunt.data.tracks import read_tracks, tracks
     from bayeshunt.data.transitions import transitions
     from bayeshunt.episodes.episode import Episode
+    from bayeshunt.episodes.hunter import Hunter
     from bayeshunt.episodes.loop import hunt
     from bayeshunt.experiments.preparation import learn_room
     from bayeshunt.experiments.run.runner import evaluate
@@ -57,7 +59,9 @@ if TYPE_CHECKING:
     from bayeshunt.models.formats.interchange import read_network as import_network
     from bayeshunt.models.tables.structures import Structure
     from bayeshunt.models.target.prey import PreyModel
+    from bayeshunt.models.target.registry import register_prey_model
     from bayeshunt.models.target.turns import TurnModel
+    from bayeshunt.perception.registry import register_sensor, register_tracker
     from bayeshunt.planners.api import Plan, Situation
     from bayeshunt.planners.catalogue import describe_planner
     from bayeshunt.planners.conformance import check_planner
@@ -67,7 +71,11 @@ if TYPE_CHECKING:
     from bayeshunt.views.pages.replay import write_replay
     from bayeshunt.views.pages.report import write_report
     from bayeshunt.worlds.babbling import babble
+    from bayeshunt.worlds.bodies import register_body
+    from bayeshunt.worlds.box2d.bodies import Drive
+    from bayeshunt.worlds.live import Babbler
     from bayeshunt.worlds.prey.behaviours import register_prey
+    from bayeshunt.worlds.registry import register_world
 
 #: Public name -> (module, name there).
 _HOMES = {
@@ -127,6 +135,14 @@ _HOMES = {
     **{name: ("bayeshunt.config.loading", name) for name in ("load_experiment", "load_robot")},
     "babble": ("bayeshunt.worlds.babbling", "babble"),
     "register_prey": ("bayeshunt.worlds.prey.behaviours", "register_prey"),
+    "register_body": ("bayeshunt.worlds.bodies", "register_body"),
+    "Drive": ("bayeshunt.worlds.box2d.bodies", "Drive"),
+    "DriveSettings": ("bayeshunt.config.schema", "DriveSettings"),
+    "register_world": ("bayeshunt.worlds.registry", "register_world"),
+    **{name: ("bayeshunt.perception.registry", name) for name in ("register_sensor", "register_tracker")},
+    "register_prey_model": ("bayeshunt.models.target.registry", "register_prey_model"),
+    "Babbler": ("bayeshunt.worlds.live", "Babbler"),
+    "Hunter": ("bayeshunt.episodes.hunter", "Hunter"),
     "hunt": ("bayeshunt.episodes.loop", "hunt"),
     "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),
     "write_replay": ("bayeshunt.views.pages.replay", "write_replay"),
@@ -136,7 +152,7 @@ _HOMES = {
 # Models, plans and episodes show themselves; only the package knows which room draws them.
 displays.arrange("bayeshunt.views.notebook.display")
 
-__all__ = ["__version__", *sorted(_HOMES)]
+__all__ = ["__version__", "protocols", *sorted(_HOMES)]
 
 
 def __getattr__(name: str) -> Any:
@@ -144,6 +160,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("bayeshunt")
+    if name == "protocols":
+        return import_module("bayeshunt.protocols")
     if name not in _HOMES:
         raise AttributeError(f"module 'bayeshunt' has no attribute {name!r}")
     home, attribute = _HOMES[name]

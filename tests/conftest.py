@@ -8,8 +8,13 @@ from joblib.externals.loky import ProcessPoolExecutor
 
 from bayeshunt.cli import main
 from bayeshunt.config.loading import load_robot
+from bayeshunt.config.schema import drives
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target import registry as prey_models
+from bayeshunt.perception import registry as perception
 from bayeshunt.planners import registry
+from bayeshunt.worlds import bodies
+from bayeshunt.worlds import registry as worlds
 from bayeshunt.worlds.babbling import babble
 from bayeshunt.worlds.prey import behaviours
 
@@ -39,10 +44,17 @@ def worker():
         yield lambda thing: pool.submit(itemgetter(0), (thing,)).result(timeout=60)
 
 
+#: Everything by name that a test may add to.
+REGISTRIES = (
+    behaviours._BEHAVIOURS, registry._REGISTRY, bodies._BODIES, drives._DRIVES, worlds._WORLDS, perception._SENSORS,
+    perception._TRACKERS, prey_models._MODELS,
+)  # fmt: skip
+
+
 @pytest.fixture(autouse=True)
 def registered_again():
-    """Forget, after every test, the prey and planners that it has registered."""
-    kept = [(known, dict(known)) for known in (behaviours._BEHAVIOURS, registry._REGISTRY)]
+    """Forget, after every test, what it has registered."""
+    kept = [(known, dict(known)) for known in REGISTRIES]
     yield
     for known, before in kept:
         known.clear()

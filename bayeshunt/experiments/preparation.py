@@ -51,7 +51,7 @@ def learn_room(
         raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     track = explore(
         settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics,
-        start=settings.protocol.hunter_pose, progress=progress,
+        start=settings.protocol.hunter_pose, progress=progress, world=settings.world,
     )  # fmt: skip
     return RoomModel.fit(track, learn_model(settings, seed, progress) if model is None else model)
 

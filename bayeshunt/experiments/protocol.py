@@ -65,7 +65,7 @@ def check_once(kind: str, names: Sequence[str]) -> None:
 def learn_model(settings: ExperimentSettings, seed: int, progress: Any = None) -> ForwardModel:
     """Babble with the experiment's robot and fit the forward model: what the robot knows of its own body."""
     model, robot = settings.model, settings.robot
-    frame = babble(robot, model.babbling_steps, seed, physics=settings.physics, progress=progress)
+    frame = babble(robot, model.babbling_steps, seed, physics=settings.physics, progress=progress, world=settings.world)
     axes = EffectAxes.standard(
         robot.body.diameter,
         distance_bin=model.distance_bin,

@@ -70,4 +70,5 @@ class FreeGait(NamedGait):
     """One gait of a body that was registered: the keys that its registration names, or a list called ``command``."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
-    __pydantic_extra__: dict[str, Finite | tuple[Finite, ...]]
+    command: tuple[Finite, ...] | None = Field(None, min_length=1, description="a value for each actuator, in order")
+    __pydantic_extra__: dict[str, Finite]

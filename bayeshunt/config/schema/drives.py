@@ -37,12 +37,7 @@ class DriveKind:
         wanted = self.commands or ("command",)
         if set(given) != set(wanted):
             raise ValueError(f"needs {_listed(wanted)}")
-        values = tuple(given[key] for key in wanted)
-        if not self.commands:
-            values = values[0] if isinstance(values[0], tuple) else values
-        if any(isinstance(value, tuple) for value in values):
-            raise ValueError(f"needs one number for each of {_listed(wanted)}")
-        return values
+        return tuple(given[key] for key in wanted) if self.commands else tuple(given["command"])
 
 
 def _listed(keys: Sequence[str]) -> str:

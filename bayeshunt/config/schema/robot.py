@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import Field, SerializeAsAny, ValidationInfo, field_validator, model_validator
+from pydantic import Field, SerializeAsAny, TypeAdapter, ValidationInfo, field_validator, model_validator
 
 from bayeshunt.config.schema.bodies import BodySettings, GaitSettings, NoiseSettings
 from bayeshunt.config.schema.drives import find_drive
@@ -41,7 +41,7 @@ class RobotSettings(ShownSettings):
         kind = find_drive(info.data["body"].drive) if "body" in info.data else None
         if kind is None or kind.gait is GaitSettings or not isinstance(value, (list, tuple)):
             return handler(value)
-        return tuple(kind.gait.model_validate(gait) for gait in value)
+        return TypeAdapter(tuple[kind.gait, ...]).validate_python(value)  # type: ignore[name-defined]
 
     @model_validator(mode="after")
     def _commands_fit_the_drive(self) -> RobotSettings:

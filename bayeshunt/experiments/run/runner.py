@@ -23,6 +23,7 @@ from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepa
 from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
 from bayeshunt.experiments.run import workers
 from bayeshunt.experiments.run.batches import Ticket, batches, run_batch
+from bayeshunt.experiments.run.plugins import check_names
 from bayeshunt.experiments.store.database import HuntDatabase, Numbered
 from bayeshunt.experiments.store.export import check_output_folder, check_same_export, save_results
 from bayeshunt.experiments.store.identity import Identity, fingerprint, model_fingerprint, versions
@@ -31,7 +32,6 @@ from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.models.tables.structures import NAIVE
-from bayeshunt.worlds.prey.behaviours import check_behaviour
 
 #: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
@@ -76,7 +76,7 @@ def evaluate(
     for name in mistaken:
         raise InputError(f"evaluate: unknown argument {name}{_near(name)}")
     settings = experiment_settings(experiment, runs)
-    check_behaviour(settings.prey.behaviour)
+    check_names(settings)
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     check_whole(seed, "seed", 0)

@@ -58,7 +58,7 @@ class Identity:
         """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
         plain = json.loads(json.dumps(settings.model_dump(mode="json")))
         files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}))
-        files |= source_hashes(used_additions(planners, settings.prey.behaviour))
+        files |= source_hashes(used_additions(planners, settings.prey.behaviour, settings))
         return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), files, model is None, model or "")
 
     @classmethod

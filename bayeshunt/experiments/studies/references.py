@@ -97,8 +97,8 @@ def _chase(settings: ExperimentSettings, seed: int, samples: int) -> Chase:
     runner = RobotSettings(
         name="prey", gait_duration=robot.gait_duration, body=prey.body, noise=prey.noise, gait=(straight,)
     )  # type: ignore[call-arg]
-    babbled = babble(robot, 20 * samples * len(robot.gait), seed, physics=settings.physics)
-    ran = babble(runner, samples + 1, seed + 1, physics=settings.physics)
+    babbled = babble(robot, 20 * samples * len(robot.gait), seed, physics=settings.physics, world=settings.world)
+    ran = babble(runner, samples + 1, seed + 1, physics=settings.physics, world=settings.world)
     hunter = np.stack([_paths(babbled[babbled["gait"] == name], samples) for name in robot.gaits.names])
     speeds = np.hypot(*hunter[:, :, -1, :2].mean(axis=1).T) / robot.gait_duration
     return Chase(
