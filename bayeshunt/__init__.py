@@ -58,9 +58,11 @@ if TYPE_CHECKING:
     from bayeshunt.models.body.inverse import InverseModel
     from bayeshunt.models.formats.interchange import read_network as import_network
     from bayeshunt.models.tables.structures import Structure
+    from bayeshunt.models.target.conformance import check_prey_model
     from bayeshunt.models.target.prey import PreyModel
     from bayeshunt.models.target.registry import register_prey_model
     from bayeshunt.models.target.turns import TurnModel
+    from bayeshunt.perception.conformance import check_sensor, check_tracker
     from bayeshunt.perception.registry import register_sensor, register_tracker
     from bayeshunt.planners.api import Plan, Situation
     from bayeshunt.planners.catalogue import describe_planner
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
     from bayeshunt.worlds.babbling import babble
     from bayeshunt.worlds.bodies import register_body
     from bayeshunt.worlds.box2d.bodies import Drive
+    from bayeshunt.worlds.conformance import check_body, check_prey, check_world
     from bayeshunt.worlds.live import Babbler
     from bayeshunt.worlds.prey.behaviours import register_prey
     from bayeshunt.worlds.registry import register_world
@@ -142,6 +145,10 @@ _HOMES = {
     **{name: ("bayeshunt.perception.registry", name) for name in ("register_sensor", "register_tracker")},
     "register_prey_model": ("bayeshunt.models.target.registry", "register_prey_model"),
     "Babbler": ("bayeshunt.worlds.live", "Babbler"),
+    **{name: ("bayeshunt.worlds.conformance", name) for name in ("check_body", "check_prey", "check_world")},
+    **{name: ("bayeshunt.perception.conformance", name) for name in ("check_sensor", "check_tracker")},
+    "check_prey_model": ("bayeshunt.models.target.conformance", "check_prey_model"),
+    "check_planner": ("bayeshunt.planners.conformance", "check_planner"),
     "Hunter": ("bayeshunt.episodes.hunter", "Hunter"),
     "hunt": ("bayeshunt.episodes.loop", "hunt"),
     "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),

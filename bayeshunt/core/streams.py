@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["ROLES", "spawn_streams"]
+__all__ = ["ROLES", "global_generator", "spawn_streams"]
 
 #: Roles in the order of the seed's children. It never changes: a child's numbers depend on its place alone.
 ROLES = ("hunter", "prey", "prey_control", "planner", "sensor", "belief")
@@ -20,3 +20,9 @@ def spawn_streams(seed: int, bodies: int = 2) -> dict[str, np.random.Generator]:
     names = (*ROLES, *further)
     children = np.random.SeedSequence(seed).spawn(len(names))
     return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
+
+
+def global_generator() -> object:
+    """Return the state of numpy's global generator, comparable: for the checks that nobody touches it."""
+    kind, keys, *rest = np.random.get_state(legacy=True)
+    return (kind, tuple(np.asarray(keys).tolist()), *rest)

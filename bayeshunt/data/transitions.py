@@ -11,14 +11,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.checks import check_number, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import wrap
-from bayeshunt.data.steps import Run, median_step, native_step, runs
+
+if TYPE_CHECKING:  # readers and pandas come when a table does: who hunts needs neither
+    import pandas as pd
+
+    from bayeshunt.data.steps import Run
 
 __all__ = ["STANDING_SHARE", "facing", "transitions", "validate_transitions", "window_columns", "windows_of"]
 
@@ -45,6 +49,10 @@ def transitions(
 
     Raises DataError if ``tracks`` is none or no run is long enough.
     """
+    import pandas as pd
+
+    from bayeshunt.data.steps import median_step, native_step, runs
+
     check_whole(seen, "seen", 2)
     check_whole(steps, "steps", 0)
     found = runs(tracks, time_step)
@@ -101,6 +109,8 @@ def _of_run(run: Run, step: float, least: float, seen: int, steps: int) -> pd.Da
             seen_from = np.where(inside, (places[np.clip(at, 0, count - 1)] - places[now]) * to_own, np.nan)
             columns[f"{kind}_{i:02d}_forward"] = seen_from.real
             columns[f"{kind}_{i:02d}_right"] = -seen_from.imag
+    import pandas as pd
+
     return pd.DataFrame(columns)
 
 
@@ -121,6 +131,8 @@ def windows_of(columns: Iterable[str]) -> tuple[int, int]:
 
 def validate_transitions(frame: object, *, conditioned: bool = False) -> None:
     """Raise DataError unless ``frame`` is a table of transitions; conditioned: it must know the speed before."""
+    import pandas as pd
+
     if not isinstance(frame, pd.DataFrame):
         raise DataError(f"transitions: expected a pandas DataFrame, got {type(frame).__name__}")
     needed = ["distance", "angle", "heading", *(["speed", "time_step"] if conditioned else [])]

@@ -10,10 +10,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.checks import (
@@ -28,6 +27,9 @@ from bayeshunt.core.gaits import GIVE_MEASURES
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.task import Task
 from bayeshunt.planners.info import FUTURE, PlannerInfo
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Future", "Plan", "Planner", "PreyPredictor", "Shown", "Situation"]
 
@@ -278,6 +280,8 @@ class Shown:
 
 
 def _one_row(gait: str, value: float) -> pd.DataFrame:
+    import pandas as pd  # a loop of one's own may never look at a trace
+
     return pd.DataFrame({"gait": [gait], "value": [value]})
 
 

@@ -12,7 +12,7 @@ from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import CountedCells
-from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS
 
 #: State of PreviousGait in a row that no gait went before.

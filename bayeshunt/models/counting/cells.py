@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+#: The open-ended distance grid stops here: one absurd row must not ask for gigabytes of table.
+MAX_DISTANCE_BINS = 100_000
 #: Tables larger than this (128 MB of probabilities) are refused rather than allocated.
 MAX_TABLE_CELLS = 1 << 24
 #: A dense tally (64 MB at most) is faster than sorting the rows, unless they are few among many cells.

@@ -20,11 +20,8 @@ from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.errors import DataError, InputError, ZeroCountError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import wrap
-from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
 from bayeshunt.models.counting.tally import SCALE, tally_rows
-
-#: The open-ended distance grid stops here: one absurd row must not ask for gigabytes of table.
-MAX_DISTANCE_BINS = 100_000
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,8 @@ from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
 from bayeshunt.files.records import checksum as _checksum
-from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS, JointCounts
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
 from bayeshunt.models.tables.counted import ContextTables, CountedTables, tables_of
 from bayeshunt.models.tables.sources import TableSource

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.bins import Axis, EffectAxes
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.data.transitions import windows_of
-from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.base_motion import BASES
 from bayeshunt.models.target.paths import forward_facing, paths_of
 from bayeshunt.models.target.residual_table import ResidualTable
 from bayeshunt.models.target.speed_table import SpeedTable, cell_codes
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Conditions", "ahead_of", "binned", "default_axes"]
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.data.transitions import STANDING_SHARE, window_columns, windows_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["forward_facing", "paths_of"]
 

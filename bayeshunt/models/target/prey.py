@@ -9,10 +9,9 @@ from __future__ import annotations
 import cmath
 import math
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core import displays, statistics
 from bayeshunt.core.arguments import checked
@@ -22,9 +21,12 @@ from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedErr
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.data.transitions import validate_transitions
 from bayeshunt.files.records import RecordKind
-from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, default_axes
 from bayeshunt.models.target.speed_table import BACKOFF, cell_codes
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["BODY_LENGTH", "PREY_FILES", "PreyModel"]
 
@@ -186,6 +188,8 @@ class PreyModel:
     @property
     def counts(self) -> pd.DataFrame:
         """Column "count" by (Distance, Angle, Heading) labels, seen cells only, in table order."""
+        import pandas as pd
+
         cells, counts = self._table()
         return pd.DataFrame({"count": counts}, index=self._index(cells))
 
@@ -195,6 +199,8 @@ class PreyModel:
         low, high: 95 % Jeffreys interval of each cell against all others. Empty before the first
         observation.
         """
+        import pandas as pd
+
         cells, counts = self._table()
         low, high = statistics.credible_interval(counts[:, None]) if len(counts) else (np.zeros((0, 1)),) * 2
         columns = {
@@ -371,6 +377,8 @@ class PreyModel:
         return self.axes.heading.centres[cells[:, 2]], distances * np.exp(1j * self.axes.angle.centres[cells[:, 1]])
 
     def _index(self, cells: np.ndarray) -> pd.MultiIndex:
+        import pandas as pd
+
         axes = self.axes.extended(int(cells[:, 0].max()) + 1 if len(cells) else 1)
         names = [[axis.labels[i] for i in column] for axis, column in zip(axes, cells.T, strict=True)]
         return pd.MultiIndex.from_arrays(names, names=list(EFFECTS))

@@ -15,7 +15,7 @@ import numpy as np
 
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.geometry import FloatArray, wrap
-from bayeshunt.models.counting.joint import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 
 __all__ = ["BACKOFF", "CLASSES", "UNIT", "SpeedTable", "cell_codes"]
 
