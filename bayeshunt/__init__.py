@@ -148,7 +148,6 @@ _HOMES = {
     **{name: ("bayeshunt.worlds.conformance", name) for name in ("check_body", "check_prey", "check_world")},
     **{name: ("bayeshunt.perception.conformance", name) for name in ("check_sensor", "check_tracker")},
     "check_prey_model": ("bayeshunt.models.target.conformance", "check_prey_model"),
-    "check_planner": ("bayeshunt.planners.conformance", "check_planner"),
     "Hunter": ("bayeshunt.episodes.hunter", "Hunter"),
     "hunt": ("bayeshunt.episodes.loop", "hunt"),
     "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),

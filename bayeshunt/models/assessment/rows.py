@@ -11,8 +11,7 @@ from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data import babbling_table
-from bayeshunt.models.counting.cells import CountedCells
-from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS
 
 #: State of PreviousGait in a row that no gait went before.
