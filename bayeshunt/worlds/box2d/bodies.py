@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import cos, hypot, sin
 from operator import mul
 from typing import Any
@@ -49,7 +50,7 @@ class Drive:
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_position", "_scale", "_traction", "_velocity", "body",
+        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_traction", "_velocity", "angle", "body",
         "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed", "state",
         "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
@@ -70,6 +71,7 @@ class Drive:
         self.energy, self.falls, self.placed = 0.0, 0, False
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body
+        self.angle = partial(type(self.body).angle.fget, self.body)  # reads it without looking the property up
         self._scale = 1.0 / self.unit
         self._limits = tuple(self.limits(parts.physics.step))
         count = len(self._limits)
@@ -77,6 +79,7 @@ class Drive:
             parts.noise, parts.physics.control_interval, parts.rng, count
         )
         self._traction = getattr(settings, "max_traction", float("inf")) * parts.physics.step / self.unit
+        self._most = self._traction * self._traction
         self.state: tuple[float, ...] = (0.0,) * count
         self.target = self.state
         self.factors = (1.0,) * count
@@ -133,16 +136,15 @@ class Drive:
         """Set the body's velocity for the next physics step."""
         if self.moving:
             self._track()
-        angle = self.body.angle
+        angle = self.angle()
         c, s = cos(angle), sin(angle)
         vx, vy = self.speed * c, self.speed * s
         if self.slide:
             vx, vy = vx - self.slide * s, vy + self.slide * c
         dx, dy = vx - self.vx, vy - self.vy
-        limit = self._traction
-        if dx * dx + dy * dy > limit * limit:
+        if dx * dx + dy * dy > self._most:
             # the tyres carry only so much: |change of velocity| <= traction limit x step
-            share = limit / hypot(dx, dy)
+            share = self._traction / hypot(dx, dy)
             vx, vy = self.vx + share * dx, self.vy + share * dy
         velocity = self._velocity
         velocity.x = self.vx = vx

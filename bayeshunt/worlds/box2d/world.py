@@ -6,7 +6,7 @@ so every reset makes a fresh one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -32,6 +32,8 @@ __all__ = ["Box2DWorld", "build_walls", "new_world"]
 #: Box2D units between two surfaces beyond which Box2D does not look for a contact: far more than a step's way.
 _MARGIN = 4.0
 _NO_NOISE = NoiseSettings(slip=0.0, drift_sd=0.0)
+#: A prey: its place in the order of the bodies, what takes its wheel speeds, what gives them.
+_Steered = tuple[int, Callable[[tuple[float, ...]], None], Callable[..., tuple[float, float]]]
 
 
 class Box2DWorld:
@@ -76,23 +78,22 @@ class Box2DWorld:
         if self._reached():
             return Run(trail, until and until.whom)
         self._begin_interval_if_placed()
-        steered = [(number, body, mind) for number, body, mind in self._prey if body.name not in gaits]
+        steered = [(n, body.drive, mind.act) for n, body, mind in self._prey if body.name not in gaits]
         remaining = self.physics.steps(duration) if duration > 0 else 0
         if not remaining:
             return Run(trail)
-        begun, stopped = self._steps, False
+        begun, stopped, control = self._steps, False, self.physics.control_steps
         while remaining > 0 and not stopped:
             if not self._phase:
                 places = self._look()
                 if self._steps > begun:
                     trail.note(self._steps, places)
                 self._decide(steered, places)
-            count = min(self.physics.control_steps - self._phase, remaining)
-            taken = self._advance(count)
+            taken = self._advance(min(control - self._phase, remaining))
             stopped, taken = taken < 0, abs(taken)
-            self._phase = (self._phase + taken) % self.physics.control_steps
+            self._phase = (self._phase + taken) % control
             self._steps += taken
-            remaining -= count
+            remaining -= taken
         trail.note(self._steps, self._look())
         return Run(trail, until.whom if until is not None and stopped else None, dict.fromkeys(self.bodies, 0.0))
 
@@ -137,7 +138,8 @@ class Box2DWorld:
         self.bodies[name] = body
         self._drives = tuple(self.bodies.values())
         self._moves = tuple(drive.advance for drive in self._drives)
-        self._live = [(drive.position, drive.body) for drive in self._drives]
+        self._begins = tuple(drive.next_interval for drive in self._drives)
+        self._live = [(drive.position, drive.angle) for drive in self._drives]
         self._hunter = list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
         return body
 
@@ -186,17 +188,17 @@ class Box2DWorld:
 
     def _look(self) -> list[Place]:
         """Where every body is, in their order."""
-        return [(at.x, at.y, body.angle) for at, body in self._live]
+        return [(at.x, at.y, angle()) for at, angle in self._live]
 
-    def _decide(self, steered: Sequence[tuple[int, Drive, Prey]], places: list[Place]) -> None:
+    def _decide(self, steered: Sequence[_Steered], places: list[Place]) -> None:
         """At the start of a control interval: new noise, and every prey decides."""
         unit = self.unit
-        for body in self._drives:
-            body.next_interval()
+        for begin in self._begins:
+            begin()
         x, y, _ = places[self._hunter]
-        for number, body, mind in steered:
+        for number, steer, act in steered:
             own_x, own_y, theta = places[number]
-            body.drive(mind.act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
+            steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
 
     def _advance(self, count: int) -> int:
         """Take up to ``count`` physics steps; return how many, negative if the last of them was the catch."""
