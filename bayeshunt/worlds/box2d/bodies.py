@@ -50,8 +50,8 @@ class Drive:
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_traction", "_velocity", "angle", "body",
-        "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed", "state",
+        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_traction", "_velocity", "angle",
+        "body", "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed", "state",
         "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
 
