@@ -158,3 +158,51 @@ def test_an_unknown_prey_is_refused_before_any_work(monkeypatch):
     monkeypatch.setattr("bayeshunt.experiments.run.runner.learn_model", lambda *_: pytest.fail("it babbled"))
     with pytest.raises(InputError, match="unknown behaviour 'rabbit'"):
         evaluate(load_experiment("paper", {"prey.behaviour": "rabbit"}), runs=1)
+
+
+EVERYTHING = """
+import bayeshunt as bh
+from bayeshunt.protocols import Detection, Frame, Observation
+
+class Pair(bh.Drive):
+    def limits(self, step):
+        return 0.6 * step, 0.6 * step
+    def twist(self, ahead, turn):
+        return ahead, 0.0, self.settings.gain * turn
+
+class PairSettings(bh.DriveSettings):
+    gain: float = 2.0
+
+class Looking:
+    def __init__(self, context):
+        self.context = context
+    def sense(self, run, map, *, rng):
+        now = run.moments[-1]
+        own, prey = now.poses["hunter"], now.poses["prey"]
+        return Observation(now.time, own, (Frame(now.time, own, (Detection(own.relative(prey)),)),))
+
+class Known(bh.PreyModel):
+    pass
+
+bh.register_body("pair", Pair, commands=("ahead", "turn"), settings=PairSettings, speed=lambda command: abs(command[0]))
+bh.register_sensor("looking", Looking)
+bh.register_prey_model("known", Known)
+"""
+
+
+def test_every_kind_of_thing_reaches_the_workers(tmp_path):
+    (tmp_path / "own.py").write_text(EVERYTHING)
+    load_plugin(tmp_path / "own.py")
+    gaits = [
+        {"name": n, "ahead": a, "turn": t}
+        for n, a, t in (("go", 0.06, 0.0), ("left", 0.05, 0.2), ("right", 0.05, -0.2))
+    ]
+    robot = {"name": "pair", "body": {"drive": "pair", "gain": 1.5}, "gait": gaits}
+    changes = {"robot": robot, "sensing.sensor": "looking", "prey.model": "known", "protocol.thetas": [0.0, 1.0]}
+    settings = bh.load_experiment("paper", {**changes, "model.babbling_steps": 60})
+    assert settings.robot.top_speed == 0.06
+    what = {"runs": 2, "planners": "prediction", "arenas": "open"}
+    one, two = (bh.evaluate(settings, jobs=jobs, **what) for jobs in (1, 2))
+    assert one.equals(two)
+    found = source_hashes(used_additions(["prediction"], "straight", settings))
+    assert {name.split(" ", 1)[1] for name in found} == {"body pair", "sensor looking", "prey model known"}
