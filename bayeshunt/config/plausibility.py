@@ -37,16 +37,17 @@ def _experiment(settings: ExperimentSettings) -> Iterator[str]:
 
 
 def _robot(robot: RobotSettings, prefix: str, bin_width: float = 0.1) -> Iterator[str]:
-    body, reach = robot.body, robot.top_speed * robot.gait_duration
+    body, speed = robot.body, robot.known_top_speed
+    reach = 0.0 if speed is None else speed * robot.gait_duration
     if 0 < reach < _LEAST_BODIES * body.diameter:
         yield _metres(f"{prefix}body.diameter", body.diameter, f"but no gait goes beyond {reach:.3g} m")
     if reach > _MOST_BINS * bin_width * body.diameter:
         yield (
-            f"{prefix}gait: {robot.top_speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; if "
+            f"{prefix}gait: {speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; if "
             "speeds are in mm/s or gait_duration is in ms, divide by 1000; else make model.distance_bin wider"
         )
     for key in ("axle", "wheelbase"):
-        if getattr(body, key) > _TIMES / 10 * body.diameter:
+        if getattr(body, key, 0.0) > _TIMES / 10 * body.diameter:
             yield _metres(f"{prefix}body.{key}", getattr(body, key), f"but the body is {body.diameter:g} m")
 
 

@@ -201,6 +201,9 @@ def test_every_kind_of_thing_reaches_the_workers(tmp_path):
     changes = {"robot": robot, "sensing.sensor": "looking", "prey.model": "known", "protocol.thetas": [0.0, 1.0]}
     settings = bh.load_experiment("paper", {**changes, "model.babbling_steps": 60})
     assert settings.robot.top_speed == 0.06
+    for shown in (str(settings.robot), settings.robot._repr_html_()):
+        assert "gain 1.5" in shown
+        assert "ahead" in shown
     what = {"runs": 2, "planners": "prediction", "arenas": "open"}
     one, two = (bh.evaluate(settings, jobs=jobs, **what) for jobs in (1, 2))
     assert one.equals(two)

@@ -66,14 +66,19 @@ class RobotSettings(ShownSettings):
     @property
     def top_speed(self) -> float:
         """The fastest that any gait moves the body's centre, without noise [m/s]; InputError if nobody says it."""
-        drive = self.body.drive
-        kind = find_drive(drive)
+        speed, drive = self.known_top_speed, self.body.drive
+        if speed is None:
+            raise InputError(f"robot {self.name!r}: a {drive} drive needs robot.body.top_speed [m/s] for this")
+        return speed
+
+    @property
+    def known_top_speed(self) -> float | None:
+        """:attr:`top_speed`, None if nobody says it: a body that was registered without its speed."""
+        kind = find_drive(self.body.drive)
         if kind.speed is not None:
             return max(kind.speed(gait.command) for gait in self.gaits)
-        declared = getattr(self.body, "top_speed", None)
-        if declared is None:
-            raise InputError(f"robot {self.name!r}: a {drive} drive needs robot.body.top_speed [m/s] for this")
-        return float(declared)
+        declared: float | None = getattr(self.body, "top_speed", None)
+        return declared
 
     @property
     def gaits(self) -> GaitRepertoire:

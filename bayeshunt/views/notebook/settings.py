@@ -7,7 +7,8 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.config.schema import BodySettings, ExperimentSettings, RobotSettings
+from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.units import degrees, length, speed
 from bayeshunt.planners.api import Shown
@@ -43,6 +44,8 @@ class Sheet(NamedTuple):
 def robot(shown: RobotSettings) -> Sheet:
     """Return a robot: its body, its noise, and a row per gait."""
     body, noise = shown.body, shown.noise
+    if not isinstance(body, BodySettings):
+        return _registered(shown)
     car = body.drive == "car"
     name, span = ("wheelbase", body.wheelbase) if car else ("axle", body.axle)
     steering = f"steering ±{degrees(body.max_steering)} at {degrees(body.max_steering_rate)}/s"
@@ -63,6 +66,25 @@ def robot(shown: RobotSettings) -> Sheet:
     return Sheet(f"Robot {clean(shown.name)}: {shown.description or 'no description'}", pairs, columns, rows)
 
 
+def _registered(shown: RobotSettings) -> Sheet:
+    """A robot whose kind of body was registered: what its own settings say, and its commands as they are."""
+    body, noise = shown.body, shown.noise
+    own = {name: value for name, value in body.model_dump().items() if name not in ("drive", "diameter")}
+    pairs = [
+        ("body", f"disc of {length(body.diameter)}, {body.drive} drive"),
+        ("its settings", ", ".join(f"{clean(name)} {value}" for name, value in own.items() if value is not None)),
+        ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
+        ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
+    ]
+    keys = find_drive(body.drive).commands
+    columns = ("gait", *map(clean, keys)) if keys else ("gait", "command")
+    rows = []
+    for gait in shown.gaits:
+        values = [f"{value:g}" for value in gait.command]
+        rows.append((clean(gait.name), *(values if keys else [", ".join(values)])))
+    return Sheet(f"Robot {clean(shown.name)}: {shown.description or 'no description'}", pairs, columns, rows)
+
+
 def gaits(shown: GaitRepertoire) -> Sheet:
     """Return a repertoire: a row per gait, with its command in the body's own units."""
     pairs = [
@@ -80,7 +102,7 @@ def experiment(shown: ExperimentSettings) -> Sheet:
     pairs = [
         (
             "robot",
-            f"{shown.robot.name}, {len(shown.robot.gait)} gaits, top speed {speed(shown.robot.top_speed)}",
+            f"{shown.robot.name}, {len(shown.robot.gait)} gaits, {_speed_of(shown.robot)}",
         ),
         ("prey", f"{prey.behaviour}, {speed(prey.speed)}, starts {protocol.prey_distance:g} bodies away"),
         ("bearings", f"{bearings}; {protocol.runs} runs each"),
@@ -94,6 +116,11 @@ def experiment(shown: ExperimentSettings) -> Sheet:
         for name, a in shown.arenas.items()
     ]
     return Sheet(f"Experiment {clean(shown.name)}: {shown.note or 'no note'}", pairs, ("arena", "size"), rows)
+
+
+def _speed_of(robot: RobotSettings) -> str:
+    known = robot.known_top_speed
+    return "top speed not said" if known is None else f"top speed {speed(known)}"
 
 
 def planner(shown: Shown) -> Sheet:
