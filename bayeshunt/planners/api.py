@@ -78,6 +78,8 @@ class Future:
 
 
 _UNKNOWN = Task()
+#: Classes of prey models that have been looked at.
+_PREDICTORS: set[type] = set()
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,9 @@ class Situation:
 
     def __post_init__(self) -> None:
         self._check_prey()
-        check_kind(self.prey_model, "prey_model", PreyPredictor, "a prey model, such as bayeshunt.PreyModel()")
+        if type(self.prey_model) not in _PREDICTORS:  # asking a protocol costs more than a quick decision
+            check_kind(self.prey_model, "prey_model", PreyPredictor, "a prey model, such as bayeshunt.PreyModel()")
+            _PREDICTORS.add(type(self.prey_model))
         for name, unit in (("body_length", "metres"), ("time_step", "seconds")):
             if getattr(self, name) is not None:
                 check_positive(getattr(self, name), name, unit)
