@@ -272,3 +272,30 @@ def test_a_pair_never_babbled_falls_back_to_all_rows_where_a_prior_allows_it() -
     answer = bh.InverseModel(model).after("a").posterior(0.07, 0.0)
     assert answer.support == 0
     np.testing.assert_allclose(answer.values, 1 / 3, atol=1e-12)
+
+
+def test_a_context_is_what_after_means() -> None:
+    model, naive = fit(FRAME, 0.1), bh.ForwardModel.fit(FRAME, GAITS, axes=AXES)
+    part = model.given({"PreviousGait": "b"})
+    assert part is model.after("b")
+    assert part.given({}) is model
+    assert part.given({"PreviousGait": None}) is model
+    assert part.after("c") is model.given({"PreviousGait": "c"})
+    assert (part.known, model.known) == ({"PreviousGait": "b"}, {})
+    assert naive.given({"PreviousGait": "b"}) is naive
+    for one in (model, naive, part):
+        with pytest.raises(bh.InputError, match=r"^unknown context 'Angle': expected PreviousGait$"):
+            one.given({"Angle": "b"})
+        with pytest.raises(bh.InputError, match="^unknown gait 'd'"):
+            one.given({"PreviousGait": "d"})
+
+
+def test_whether_counts_are_known_is_the_support() -> None:
+    model = fit(FRAME, 0.1)
+    imported = bh.ForwardModel.of_tables(model.gaits, model.axes, model.structure, model.local_tables)
+    assert imported.support is None
+    assert imported.after("b").support is None
+    assert not imported.has_counts
+    for one in (model, model.after("b")):
+        assert one.has_counts
+        assert int(one.support.sum()) == one.joint.total

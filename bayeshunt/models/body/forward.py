@@ -248,18 +248,15 @@ class ForwardModel(OpenTables):
         The same model unless its structure has the gait before as a cause. Raises InputError for another
         variable, or a gait that is not in the repertoire.
         """
-        states = {}
-        for variable, state in context.items():
+        for variable in context:
             if variable != PREVIOUS:
                 raise InputError(f"unknown context {variable!r}: expected {PREVIOUS}")
-            if state is not None:
-                states[variable] = self.gaits.names[self.gaits.index(state)]
-        whole = self if self.whole is None else self.whole
-        return whole._part(states.get(PREVIOUS))
+        return self.after(context.get(PREVIOUS))
 
     def after(self, previous_gait: Gait | str | None) -> ForwardModel:
         """Return what each gait does right after ``previous_gait``: ``given({"PreviousGait": previous_gait})``."""
-        return self.given({PREVIOUS: previous_gait})
+        name = None if previous_gait is None else self.gaits.names[self.gaits.index(previous_gait)]
+        return (self if self.whole is None else self.whole)._part(name)
 
     def _part(self, previous_gait: str | None) -> ForwardModel:
         """The part after a gait, made once."""

@@ -103,8 +103,10 @@ class CountedTables(TableSource):
         return pose
 
     def _mean_path(self, gait: int) -> np.ndarray:
+        if self.pooled is None:
+            return self.joint.mean_poses(gait)
         rows = int(self.joint.marginal("Gait")[gait])
-        if self.pooled is None or (rows and self.backoff is None):
+        if rows and self.backoff is None:
             return self.joint.mean_poses(gait)
         if not rows or self.backoff is None:
             return self.pooled.joint.mean_poses(gait)
