@@ -286,7 +286,7 @@ def test_a_context_is_what_after_means() -> None:
     for one in (model, naive, part):
         with pytest.raises(bh.InputError, match=r"^unknown context 'Angle': expected PreviousGait$"):
             one.given({"Angle": "b"})
-        with pytest.raises(bh.InputError, match="^unknown gait 'd'"):
+        with pytest.raises(bh.InputError, match=r"^unknown gait 'd'"):
             one.given({"PreviousGait": "d"})
 
 
