@@ -64,7 +64,8 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
         body(axes, seen.right, seen.forward, 0, prey, PREY)
         outward = (side * np.sin(theta), side * np.cos(theta))
         beyond = tuple(part + step * prey / 2 for part, step in zip((seen.right, seen.forward), outward, strict=True))
-        axes.annotate(degrees(theta), beyond, (13 * outward[0], 10 * outward[1]), textcoords="offset points",
+        apart = 12 * np.sign(seen.right) if side < 0 and abs(seen.right) < 2 * prey else 0  # two labels ahead
+        axes.annotate(degrees(theta), beyond, (13 * outward[0] + apart, 10 * outward[1]), textcoords="offset points",
                       ha="center", va="center", color=PREY)  # fmt: skip
     body(axes, 0, 0, 0, hunter, HUNTER)
     axes.annotate("hunter", (0, -hunter / 2), (0, -3), textcoords="offset points", ha="center", va="top", color=HUNTER)
