@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -93,6 +94,13 @@ def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
         f"{path}: no preset has the robot that this model is of (gaits {', '.join(forward.gaits.names)}); "
         "say the experiment with --preset or --config"
     )
+
+
+def evaluate_words(preset: str | None, config: Path | None) -> str:
+    """The start of an evaluate line that runs the experiment of this command."""
+    if config is not None:
+        return f"bayeshunt evaluate --config {shlex.quote(str(config))}"
+    return "bayeshunt evaluate" if preset is None else f"bayeshunt evaluate --preset {shlex.quote(preset)}"
 
 
 def say_chosen(settings: Any, preset: str | None, config: Path | None, model: Path | None) -> None:

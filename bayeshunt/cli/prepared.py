@@ -19,6 +19,7 @@ from bayeshunt.cli.options import (
     Seed,
     check_names,
     complete_planner,
+    evaluate_words,
     read_experiment,
     tell,
 )
@@ -54,7 +55,8 @@ def reference(
         )
     table.save(out)
     facts = {"out": str(out), "states": int(table.values.size), "digest": table.facts["digest"]}
-    tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: bayeshunt evaluate --planner reference "
+    following = evaluate_words(preset, config)
+    tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: {following} --planner reference "
          f"--set {shlex.quote(f'planner.reference.table={out}')}")  # fmt: skip
 
 
@@ -90,7 +92,8 @@ def remember(
         memory = memories.remember(settings, arenas=arena, planner=planner, runs=runs, seed=seed, progress=advance)
     memory.save(out)
     facts = {"out": str(out), "transitions": memory.observations, **memory.provenance}
-    tell(facts, as_json, f"{out}: {memory.observations} transitions; next: bayeshunt evaluate --planner memory_place "
+    following = evaluate_words(preset, config)
+    tell(facts, as_json, f"{out}: {memory.observations} transitions; next: {following} --planner memory_place "
          f"--set {shlex.quote(f'planner.memory_place.tables={out}')}")  # fmt: skip
 
 
@@ -121,8 +124,9 @@ def explore(
     room.save(out)
     walls = room.walls()
     facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
+    following = evaluate_words(preset, config)
     tell(facts, as_json, f"{out}: {_shown(walls, steps)}\n"
-         f"next: bayeshunt evaluate --planner intercept_walls --arena {shlex.quote(arena)} "
+         f"next: {following} --planner intercept_walls --arena {shlex.quote(arena)} "
          f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip
 
 

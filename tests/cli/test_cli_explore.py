@@ -4,16 +4,17 @@ import json
 
 import pytest
 
-SMALL = ["--preset", "paper", "--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
+SMALL = ["--set", "protocol.thetas=[1.0]", "--set", "model.babbling_steps=200"]
 
 
 def test_explore_to_evaluation(bayeshunt):
-    out, _ = bayeshunt("explore", "--out", "room.json", "--steps", "300", *SMALL, "--json")
+    paper = ["--preset", "paper", *SMALL]  # its walls are 0.6 m from the centre
+    out, _ = bayeshunt("explore", "--out", "room.json", "--steps", "300", *paper, "--json")
     walls = json.loads(out)["walls"]
     assert len(walls) == 4
     assert all(abs(wall["offset_m"] - 0.5715) < 0.005 for wall in walls)
     out, _ = bayeshunt("evaluate", "--planner", "intercept_walls", "--arena", "walled", "--runs", "2", "--jobs", "1",
-                       "--set", "planner.intercept_walls.room=room.json", *SMALL, "--json")  # fmt: skip
+                       "--set", "planner.intercept_walls.room=room.json", *paper, "--json")  # fmt: skip
     facts = json.loads(out)
     assert facts["rows"][-1]["runs"] == 2
     assert facts["not_ab_initio"] == ["intercept_walls"]

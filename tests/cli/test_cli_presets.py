@@ -45,3 +45,10 @@ def test_a_model_that_no_preset_knows(bayeshunt):
         assert err.count("\n") == 1
     # a change that makes it the model's robot is enough
     assert json.loads(bayeshunt("hunt", "--model", "car.json", "--set", "robot=car", *FEW, "--json")[0])["gaits"]
+
+
+def test_what_comes_next_names_the_experiment(bayeshunt):
+    """A room, a table or a memory is of one experiment; the line that follows must not run another."""
+    few = ["--steps", "20", "--set", "model.babbling_steps=200", "--out", "room.json"]
+    assert "next: bayeshunt evaluate --planner intercept_walls" in bayeshunt("explore", *few)[0]
+    assert "next: bayeshunt evaluate --preset paper --planner" in bayeshunt("explore", "--preset", "paper", *few)[0]
