@@ -39,17 +39,20 @@ def assess(
 
     Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png
     """
-    from bayeshunt.config.loading import load_robot, recorded_robot
+    from bayeshunt.config.loading import load_robot, recorded_gaits
     from bayeshunt.data import babbling_table
+    from bayeshunt.data.ingesting import LogOptions, babbling_from, needs_ingesting
     from bayeshunt.models.assessment.assess import assess as run
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 
-    frame = babbling_table.load(data)
+    frame = (
+        babbling_from([data], LogOptions()) if data.exists() and needs_ingesting(data) else babbling_table.load(data)
+    )
     forward = None if model is None else open_model(model)
     gaits = None if robot is None else load_robot(robot).gaits
     if gaits is None and forward is None:
-        gaits = recorded_robot(frame).gaits
+        gaits = recorded_gaits(frame)
     widths = (distance_bin, angle_bins, heading_bins)
     axes = _axes(frame, gaits, forward, widths)
     with terminal.progress_bar("assessing", None, quiet=quiet or as_json):
@@ -71,14 +74,14 @@ def assess(
 
 def _axes(frame: Any, gaits: Any, model: Any, widths: tuple[float | None, int | None, int | None]) -> Any:
     """Axes of the bins asked for, or None if none was."""
-    from bayeshunt.config.loading import recorded_robot
+    from bayeshunt.config.loading import recorded_gaits
     from bayeshunt.core.bins import EffectAxes
 
     if all(width is None for width in widths):
         return None
     if model is not None:
         raise InputError("--model brings its own bins: leave out --distance-bin, --angle-bins and --heading-bins")
-    body_length = (gaits if gaits is not None else recorded_robot(frame).gaits).body_length
+    body_length = (gaits if gaits is not None else recorded_gaits(frame)).body_length
     names = ("distance_bin", "angle_bins", "heading_bins")
     given: dict[str, Any] = {name: width for name, width in zip(names, widths, strict=True) if width is not None}
     if not all(width > 0 for width in given.values()):

@@ -9,9 +9,50 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, tell
+from bayeshunt.cli.options import Json, Seed, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.core.errors import InputError
+
+TimeStep = Annotated[float | None, typer.Option(help="A log: seconds of one window, the time that a gait is held.")]
+Gaits = Annotated[str, typer.Option(help="A log: number of clusters of the command, held (each command), or a column.")]
+Pose = Annotated[str | None, typer.Option(help="A log: columns of the pose, X,Y,YAW.")]
+Command = Annotated[str | None, typer.Option(help="A log: columns of the command, for example LEFT,RIGHT.")]
+Time = Annotated[str | None, typer.Option(help="A log: column of the time.")]
+TimeUnit = Annotated[str | None, typer.Option(help="A log: unit of the time, s, ms, us or ns.")]
+Unit = Annotated[str | None, typer.Option(help="A log: unit of x and y, m, cm or mm.")]
+Angle = Annotated[str | None, typer.Option(help="A log: unit of the heading, rad or deg; counter-clockwise.")]
+BodyLength = Annotated[float | None, typer.Option(help="Length of the body [m], the unit of the default bins.")]
+
+
+def log_options(
+    time_step: float | None, gaits: str, pose: str | None, command: str | None, time: str | None,
+    time_unit: str | None, unit: str | None, angle: str | None, body_length: float | None, seed: int = 0,
+) -> Any:  # fmt: skip
+    """Return the options as ``data.ingesting.LogOptions``; InputError for a pose of other than three columns."""
+    from bayeshunt.data.ingesting import LogOptions
+
+    columns = _names(pose)
+    if columns is not None and len(columns) != 3:
+        raise InputError(f"--pose {pose}: expected three columns, X,Y,YAW")
+    number: int | str = int(gaits) if gaits.lstrip("+-").isdigit() else gaits
+    if isinstance(number, int) and number < 1:
+        raise InputError(f"--gaits {gaits}: expected a number of at least 1, held, or a column")
+    return LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length, seed)
+
+
+def _names(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def recorded_notes(record: dict[str, Any], path: Path) -> list[str]:
+    """Return what was read, guessed and left out, a line each, from the record of a babbling table."""
+    lines = [f"{shlex.quote(str(path))}: {note}" for note in record.get("notes", [])]
+    lines += [f"left out: {count} ({reason})" for reason, count in record.get("dropped", {}).items()]
+    if record.get("body_length_given") is False:
+        length = record["repertoire"]["body_length"]
+        lines.append(f"body length not given: bins are made as for one of {length:g} m (--body-length)")
+    return lines
+
 
 ingest = typer.Typer(
     help="Read recordings: tracks of people and animals, logs of robots.", no_args_is_help=True, rich_markup_mode=None
@@ -72,6 +113,43 @@ def ingest_tracks(
     tracks.save(table, out)
     facts = {"out": str(out), **report._asdict(), "unit": _length_unit(table), "sources": records}
     tell(facts, as_json, _said(facts, records))
+
+
+@ingest.command("log", short_help="A log of a robot, or a table of windows.")
+def ingest_log(
+    files: Annotated[list[Path], typer.Argument(help="CSV, Parquet or ROS bag, of one robot.", show_default=False)],
+    out: Annotated[Path, out_file("Babbling table to write.", "tables", ".parquet")],
+    time_step: TimeStep = None,
+    gaits: Gaits = "25",
+    pose: Pose = None,
+    command: Command = None,
+    time: Time = None,
+    time_unit: TimeUnit = None,
+    unit: Unit = None,
+    angle: Angle = None,
+    body_length: BodyLength = None,
+    seed: Seed = 0,
+    licence: Annotated[str | None, typer.Option(help="Licence of the recording, kept in the table's record.")] = None,
+    cite: Annotated[str | None, typer.Option(help="How to cite the recording, kept in the table's record.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Cut a log into windows of one time-step, name the gaits by their commands, and write the babbling table.
+
+    Example:  bayeshunt ingest log log.csv --time-step 1 --gaits 25 --out babbling.parquet
+    """
+    from bayeshunt.data import babbling_table
+    from bayeshunt.data.ingesting import babbling_from
+
+    asked = log_options(
+        time_step, gaits, pose, command, time, time_unit, unit, angle, body_length, seed
+    )  # fmt: skip
+    table = babbling_from(files, asked)
+    record = table.attrs["bayeshunt"]
+    record.update({key: value for key, value in (("licence", licence), ("citation", cite)) if value})
+    babbling_table.save(table, out)
+    facts = {"out": str(out), "rows": len(table), "gaits": len(record["repertoire"]["gaits"]), **record}
+    lines = [*recorded_notes(record, files[0]), f"{out}: {len(table)} rows of {facts['gaits']} gaits"]
+    tell(facts, as_json, "\n".join([*lines, f"next: bayeshunt fit {shlex.quote(str(out))} --out model.json"]))
 
 
 def _length_unit(table: Any) -> str:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, tell
 from bayeshunt.cli.outputs import out_file
@@ -84,28 +85,41 @@ def fit(
     angle_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Angle.")] = 36,
     heading_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Heading.")] = 36,
     gait_prior: Annotated[str, typer.Option(help="P(Gait): uniform, or empirical (as often as babbled).")] = "uniform",
+    time_step: ingest.TimeStep = None,
+    gaits: ingest.Gaits = "25",
+    pose: ingest.Pose = None,
+    command: ingest.Command = None,
+    time: ingest.Time = None,
+    time_unit: ingest.TimeUnit = None,
+    unit: ingest.Unit = None,
+    angle: ingest.Angle = None,
+    body_length: ingest.BodyLength = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit the network Gait -> Distance, Angle, Heading to one or more babbling tables of any size.
+    """Fit the network Gait -> Distance, Angle, Heading to one or more babbling tables of any size, or to logs.
 
-    Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif
+    Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif;
+    bayeshunt fit log.csv --time-step 1 --gaits 25 --out model.json
     """
-    from bayeshunt.config.loading import load_robot, recorded_robot
+    from bayeshunt.config.loading import load_robot, recorded_gaits
     from bayeshunt.core.bins import EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
-    from bayeshunt.models.counting.streaming import count_tables, open_tables
+    from bayeshunt.models.counting.streaming import count_tables
     from bayeshunt.views.terminal import terminal
 
-    tables = open_tables(data)
-    maker = recorded_robot(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot)
+    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
+    tables, notes = opened(data, asked, robot)
+    for note in () if as_json else notes:
+        terminal.say(note)
+    repertoire = recorded_gaits(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot).gaits
     axes = EffectAxes.standard(
-        maker.gaits.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
+        repertoire.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
     )
     rows = sum(table.rows for table in tables)
     counts: Any
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        counts, provenance = count_tables(tables, maker.gaits, axes=axes, structure=structure, progress=advance)
+        counts, provenance = count_tables(tables, repertoire, axes=axes, structure=structure, progress=advance)
     model = ForwardModel.from_counts(
         counts, prior, gait_prior=gait_prior, structure=structure, backoff=backoff, provenance=provenance
     )
@@ -121,6 +135,17 @@ def fit(
     counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")
     following = f"\nnext: bayeshunt query {shlex.quote(str(out))} {_some_target(model)}" if counts.total else ""
     tell(facts, as_json, f"{out}: {counted}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}{following}")
+
+
+def opened(data: list[Path], asked: Any, robot: str | None) -> tuple[list[Any], list[str]]:
+    """Return the babbling tables of files, logs made into one table, and what there is to say of that."""
+    from bayeshunt.data.ingesting import Held, babbling_from, needs_ingesting
+    from bayeshunt.models.counting.streaming import open_tables
+
+    if robot is not None or not all(path.exists() and needs_ingesting(path) for path in data):
+        return open_tables(data), []
+    frame = babbling_from(data, asked)
+    return [Held(frame, str(data[0]))], ingest.recorded_notes(frame.attrs["bayeshunt"], data[0])
 
 
 def _some_target(model: Any) -> str:

@@ -18,12 +18,22 @@ from bayeshunt.config.plausibility import warn_implausible
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
 from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
+from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.parquet import PROVENANCE_KEY
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["DEFAULT_PRESET", "describe", "load_experiment", "load_robot", "parse", "preset_names", "recorded_robot"]
+__all__ = [
+    "DEFAULT_PRESET",
+    "describe",
+    "load_experiment",
+    "load_robot",
+    "parse",
+    "preset_names",
+    "recorded_gaits",
+    "recorded_robot",
+]
 
 Kind = TypeVar("Kind", bound=BaseModel)
 Loaded = TypeVar("Loaded", RobotSettings, ExperimentSettings)
@@ -84,6 +94,22 @@ def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") ->
     if recorded is None:
         raise InputError(f"{source}the table does not say which robot made it; add --robot, or pass its gaits")
     return parse(RobotSettings, recorded, f"{source}provenance: robot")
+
+
+def recorded_gaits(frame: pd.DataFrame | Mapping[str, Any], source: str = "") -> GaitRepertoire:
+    """Return the gaits that a babbling table was made with: of a robot, or of a log, which has no settings.
+
+    Arguments and errors as for :func:`recorded_robot`.
+    """
+    record = frame if isinstance(frame, Mapping) else frame.attrs.get(PROVENANCE_KEY, {})
+    stored = record.get("repertoire")
+    if stored is None:
+        return recorded_robot(record, source).gaits
+    try:
+        gaits = tuple(Gait(str(g["name"]), tuple(map(float, g["command"]))) for g in stored["gaits"])
+        return GaitRepertoire(gaits, body_length=stored["body_length"], duration=stored["duration"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ConfigError(f"{source}provenance: repertoire is damaged ({str(error).splitlines()[0]})") from None
 
 
 def preset_names(folder: str = "") -> list[str]:

@@ -19,10 +19,11 @@ _BREAK = 5.0
 _STRAYS = 5
 
 
-def seconds_of(values: pd.Series, unit: str | None, source: str) -> tuple[np.ndarray, str]:
+def seconds_of(values: pd.Series, unit: str | None, source: str, *, slowest: float = 2.0) -> tuple[np.ndarray, str]:
     """Return the time [s] of each row (NaN where there is none) and a note of how it was read.
 
-    unit: "s", "ms", "us" or "ns"; None: the column's name or its steps must show it. Times of day and dates are read.
+    unit: "s", "ms", "us" or "ns"; None: the column's name or its steps must show it; slowest: longest usual step [s].
+    Times of day and dates are read.
     Raises InputError for another unit, or if nothing shows it.
     """
     if unit is not None and unit not in TIME_UNITS:
@@ -38,7 +39,7 @@ def seconds_of(values: pd.Series, unit: str | None, source: str) -> tuple[np.nda
             )
         return clock, "time: read from text, seconds since the first"
     if unit is None:
-        unit, why = _guessed(str(values.name), numbers, source)
+        unit, why = _guessed(str(values.name), numbers, source, slowest)
     else:
         why = "as given"
     first = numbers[np.isfinite(numbers)][:1]
@@ -46,7 +47,7 @@ def seconds_of(values: pd.Series, unit: str | None, source: str) -> tuple[np.nda
     return shifted * TIME_UNITS[unit], f"time in {unit} ({why})"
 
 
-def _guessed(name: str, numbers: np.ndarray, source: str) -> tuple[str, str]:
+def _guessed(name: str, numbers: np.ndarray, source: str, slowest: float) -> tuple[str, str]:
     lower = name.lower().rstrip("])")
     for unit in ("ns", "us", "ms"):
         if lower.endswith(unit) and not lower[: -len(unit)].endswith(tuple("abcdefghijklmnopqrstuvwxyz")):
@@ -56,7 +57,7 @@ def _guessed(name: str, numbers: np.ndarray, source: str) -> tuple[str, str]:
     gaps = np.diff(numbers[np.isfinite(numbers)])
     gaps = gaps[gaps > 0]
     usual = float(np.median(gaps)) if gaps.size else 0.0
-    if usual > 2.0 and not lower.endswith(("_s", " s", "[s", "(s", "sec", "seconds")):
+    if usual > slowest and not lower.endswith(("_s", " s", "[s", "(s", "sec", "seconds")):
         raise InputError(
             f"{source}: column {name!r} steps by {usual:g}; say its unit: time_unit= (--time-unit s|ms|us)"
         )

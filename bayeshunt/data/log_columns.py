@@ -31,6 +31,8 @@ _PAIRS = (
     ("cmdlinear", "cmdangular"), ("linear", "angular"), ("throttle", "steering"), ("v", "w"), ("v", "omega"),
     ("u0", "u1"), ("u1", "u2"), ("cmd0", "cmd1"), ("command0", "command1"), ("motorleft", "motorright"),
 )  # fmt: skip
+#: So much from row to row [rad] is likelier degrees.
+_LEAP = 0.3
 #: Endings of names that say a unit.
 _ENDINGS = ("rads", "radps", "mps", "ms", "mms", "cms", "deg", "degrees", "rad", "radians", "mm", "cm", "m")
 
@@ -124,7 +126,10 @@ def radians_of(values: np.ndarray, name: str, angle: str | None, source: str) ->
     if angle is None and not _says(name, "rad") and finite.size:
         jump = np.abs(np.diff(finite))
         wraps_at_a_turn = bool(((jump > 300) & (jump <= 360)).any())
-        if wraps_at_a_turn or float(np.median(np.abs(finite))) > 4 * math.pi:
+        turning = jump[jump > 0]
+        # an unwrapped heading in radians may reach far, but hardly leaps from row to row
+        leaps = bool(turning.size and np.median(turning) > _LEAP)
+        if wraps_at_a_turn or (leaps and float(np.abs(finite).max()) > 4 * math.pi):
             raise InputError(f"{source}: column {name!r} reaches {np.abs(finite).max():g}: degrees or radians? "
                              "say it: angle= (--angle rad|deg)")  # fmt: skip
     return values, "heading in radians (" + ("as given" if angle else "the default") + "), counter-clockwise"

@@ -127,7 +127,7 @@ def _with_commands(
     found = find_columns(list(table.columns), None, None, command, source, with_pose=False)
     if found["time"] is None:
         raise DataError(f"{source}: no column of time found among {', '.join(table.columns)}")
-    seconds, _ = seconds_of(table[found["time"]], time_unit, source)
+    seconds, _ = seconds_of(table[found["time"]], time_unit, source, slowest=30.0)  # they come when they change
     values = np.stack([as_numbers(table[name]) for name in found["command"]], axis=1)
     good = np.isfinite(seconds) & np.isfinite(values).all(axis=1)
     order = np.argsort(seconds[good], kind="stable")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.config.loading import recorded_robot
+from bayeshunt.config.loading import recorded_gaits
 from bayeshunt.core import displays
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_pseudo_count, check_whole
@@ -205,7 +205,7 @@ def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> 
         return model.gaits
     if "robot" not in frame.attrs.get(PROVENANCE_KEY, {}):
         raise InputError("the table does not say which robot made it; give its gaits: assess(frame, robot.gaits)")
-    return recorded_robot(frame).gaits
+    return recorded_gaits(frame)
 
 
 def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str], list[str]]:

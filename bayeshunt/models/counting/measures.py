@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from bayeshunt.config.loading import recorded_robot
+from bayeshunt.config.loading import recorded_gaits
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import ConfigError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -29,7 +29,7 @@ def measured(
     body, duration = given.body_length, given.duration
     if record and (body is None or duration is None):
         with contextlib.suppress(InputError, ConfigError):  # a table may say nothing of its robot, or nothing of use
-            robot = recorded_robot(record).gaits
+            robot = recorded_gaits(record)
             body, duration = body or robot.body_length, duration or robot.duration
     if body is None and axes is not None:
         body = axes.body_length

@@ -1,0 +1,191 @@
+# ruff: noqa: E501
+"""Twenty ways in which a log may be a mess: each becomes the same babbling table, and a model in one command."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.core.errors import DataError, InputError
+
+STEP = 0.05  # s from row to row
+HELD = 41  # rows of one command: two windows of a second and a row
+WINDOWS = 60
+
+
+def drive() -> pd.DataFrame:
+    """A robot with four commands, each held two seconds, exact arcs, logged 20 times a second."""
+    commands = [(0.1, 0.1), (0.2, 0.1), (0.1, 0.2), (-0.1, 0.1)]
+    order = np.random.default_rng(5).permutation(np.repeat(np.arange(4), WINDOWS // 4)).tolist()
+    rows, x, y, yaw = [], 0.0, 0.0, 0.0
+    for number, which in enumerate(order):
+        left, right = commands[which]
+        speed, turn = (left + right) / 2, (right - left) * 5
+        for i in range(HELD):
+            rows.append(((number * HELD + i) * STEP, x, y, yaw, left, right))
+            half = turn * STEP / 2
+            x += speed * STEP * np.sinc(half / np.pi) * math.cos(yaw + half)
+            y += speed * STEP * np.sinc(half / np.pi) * math.sin(yaw + half)
+            yaw += turn * STEP
+    return pd.DataFrame(rows, columns=["time", "x", "y", "yaw", "cmd_left", "cmd_right"])
+
+
+def degrees(log: pd.DataFrame) -> pd.DataFrame:
+    return log.assign(yaw=np.degrees(log["yaw"]) % 360)
+
+
+def put(log: pd.DataFrame, row: int, column: str, value: object) -> pd.DataFrame:
+    log = log.astype({column: object})
+    log.loc[row, column] = value
+    return log
+
+
+def named(log: pd.DataFrame, **names: str) -> pd.DataFrame:
+    return log.rename(columns=names)
+
+
+def text(frame: pd.DataFrame, **settings: object) -> str:
+    return frame.to_csv(index=False, **settings)
+
+
+#: Name -> (the file's text, options, rows that may be lost).
+MESSES: dict[str, tuple[Callable[[pd.DataFrame], str], tuple[str, ...], int]] = {
+    "clean": (text, (), 0),
+    "other names": (lambda d: text(named(d, time="Timestamp", x="Pos X", y="Pos Y", yaw="Theta", cmd_left="vL", cmd_right="vR")), ("--command", "vL,vR"), 0),
+    "names with units": (lambda d: text(named(d, time="Time [s]", x="x [m]", y="y [m]", yaw="yaw [rad]")), (), 0),
+    "milliseconds by name": (lambda d: text(named(d.assign(time=d.time * 1000), time="t_ms")), (), 0),
+    "milliseconds by option": (lambda d: text(d.assign(time=d.time * 1000)), ("--time-unit", "ms"), 0),
+    "microseconds of the epoch": (lambda d: text(named(d.assign(time=1.7e15 + (d.time * 1e6).round()), time="stamp_us"), float_format="%.9f"), (), 0),
+    "times of day": (lambda d: text(d.assign(time=(pd.Timestamp("2024-05-01 09:59:00") + pd.to_timedelta(d.time, unit="s")).dt.strftime("%H:%M:%S.%f"))), (), 0),
+    "dates": (lambda d: text(d.assign(time=(pd.Timestamp("2024-05-01 09:59:00") + pd.to_timedelta(d.time, unit="s")).dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ"))), (), 0),
+    "degrees and a wrap by name": (lambda d: text(named(degrees(d), yaw="heading_deg")), (), 0),
+    "degrees and a wrap by option": (lambda d: text(degrees(d)), ("--angle", "deg"), 0),
+    "radians that wrap": (lambda d: text(d.assign(yaw=np.angle(np.exp(1j * d.yaw)))), (), 0),
+    "millimetres by name": (lambda d: text(named(d.assign(x=d.x * 1000, y=d.y * 1000), x="x_mm", y="y_mm")), (), 0),
+    "centimetres by option": (lambda d: text(d.assign(x=d.x * 100, y=d.y * 100)), ("--unit", "cm"), 0),
+    "semicolons and decimal commas": (lambda d: text(d, sep=";", decimal=","), (), 0),
+    "tabs, a mark and comments": (lambda d: "\ufeff# robot 7\n" + text(d, sep="\t"), (), 0),
+    "holes": (lambda d: text(put(put(d, 45, "x", np.nan), 999, "yaw", "--")), (), 0),
+    "a word among numbers": (lambda d: text(put(d, 77, "y", "ERROR")), (), 0),
+    "rows twice": (lambda d: text(pd.concat([d.iloc[:100], d.iloc[98:100], d.iloc[100:]])), (), 0),
+    "rows that go back": (lambda d: text(pd.concat([d.iloc[:300], d.iloc[250:253], d.iloc[300:]])), (), 0),
+    "a clock that starts again": (lambda d: text(d.assign(time=np.where(np.arange(len(d)) < HELD * 30, d.time, d.time - d.time[HELD * 30]))), (), 0),
+    "a gap": (lambda d: text(d.drop(index=range(HELD * 10 + 5, HELD * 12 + 5))), (), 5),
+    "columns that nobody asked for": (lambda d: text(d.assign(battery=12.1, mode="auto", gyro_x=0.0)), (), 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mess", MESSES)
+def test_a_mess_becomes_the_same_table_and_a_model(mess: str, bayeshunt, tmp_path) -> None:
+    written, options, lost = MESSES[mess]
+    (tmp_path / "log.csv").write_text(written(drive()), encoding="utf-8")
+    arguments = ("log.csv", "--time-step", "1", "--gaits", "held", "--body-length", "0.1", *options)
+    out, _ = bayeshunt("ingest", "log", *arguments, "--json", "--out", "table.parquet")
+    facts = json.loads(out)
+    assert facts["gaits"] == 4
+    assert 2 * WINDOWS - lost <= facts["rows"] <= 2 * WINDOWS
+    table = bh.load_dataset(tmp_path / "table.parquet")
+    for (left, right), rows in table.groupby(["command_0", "command_1"]):
+        speed, turn = (left + right) / 2, (right - left) * 5
+        assert rows["heading"].to_numpy() == pytest.approx(-turn, abs=1e-3)
+        assert rows["distance"].to_numpy() == pytest.approx(abs(speed * np.sinc(turn / 2 / np.pi)), abs=2e-4)
+    out, _ = bayeshunt("fit", *arguments, "--json", "--out", "model.json")
+    assert json.loads(out)["rows"] == facts["rows"]
+
+
+def test_the_gait_before_is_known_only_within_an_unbroken_run(tmp_path) -> None:
+    log = drive().drop(index=range(HELD * 10, HELD * 12))
+    log.to_csv(tmp_path / "log.csv", index=False)
+    read = bh.read_log(tmp_path / "log.csv")
+    assert read["run"].nunique() == 2
+    table = bh.gaits_from_log(read, time_step=1.0, gaits="held")
+    first = table.groupby("run").head(1)
+    assert first["previous_gait"].isna().all()
+    assert table.drop(first.index)["previous_gait"].notna().all()
+    within = table[table["run"] == 0]
+    assert within["previous_gait"].iloc[1:].tolist() == within["gait"].iloc[:-1].tolist()
+
+
+def test_two_files_with_two_clocks(tmp_path) -> None:
+    log = drive()
+    log[["time", "x", "y", "yaw"]].to_csv(tmp_path / "poses.csv", index=False)
+    changes = log.iloc[::HELD]
+    changes.assign(time=changes.time + 1000)[["time", "cmd_left", "cmd_right"]].to_csv(
+        tmp_path / "told.csv", index=False
+    )
+    with pytest.raises(DataError, match="offset="):
+        bh.read_log(tmp_path / "poses.csv", tmp_path / "told.csv")
+    read = bh.read_log(tmp_path / "poses.csv", tmp_path / "told.csv", offset=-1000)
+    assert len(bh.gaits_from_log(read, time_step=1.0, gaits="held")) == 2 * WINDOWS
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "problem"),
+    [
+        (lambda d: d.drop(columns="yaw"), {}, "no column 'yaw'"),
+        (lambda d: d.drop(columns="cmd_left"), {"command": ("left", "right")}, "column 'left' is missing"),
+        (lambda d: d.drop(columns="time"), {}, "no column of time"),
+        (lambda d: d.assign(time=d.time * 1000), {}, "time_unit="),
+        (degrees, {}, "degrees or radians"),
+        (lambda d: d, {"unit": "miles"}, "unknown unit"),
+        (lambda d: d, {"angle": "grad"}, "unknown unit"),
+        (lambda d: d.assign(x=np.nan), {}, "no row has"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_known_is_asked_for(change, arguments, problem: str, tmp_path) -> None:
+    change(drive()).to_csv(tmp_path / "log.csv", index=False)
+    with pytest.raises((DataError, InputError), match=problem) as caught:
+        bh.read_log(tmp_path / "log.csv", **arguments)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_clockwise_heading_is_warned_of(tmp_path) -> None:
+    log = drive()
+    log.assign(yaw=-log.yaw).to_csv(tmp_path / "log.csv", index=False)
+    assert "warning" in " ".join(bh.read_log(tmp_path / "log.csv").attrs["bayeshunt"]["notes"])
+    log.to_csv(tmp_path / "log.csv", index=False)
+    assert "warning" not in " ".join(bh.read_log(tmp_path / "log.csv").attrs["bayeshunt"]["notes"])
+
+
+def test_windows_keep_their_rows_and_index() -> None:
+    frame = pd.DataFrame({"cmd_left": [1.0, 1, 2, 2], "cmd_right": 1.0, "x": [0.1, 0.2, 0.3, 0.4], "y": [0, 0.1, 0, 0],
+                          "yaw": [0, 0.5, 0, 0], "day": 3}, index=[7, 5, 9, 2])  # fmt: skip
+    table = bh.gaits_from_windows(frame, time_step=2.0, gaits=25)
+    assert table.index.tolist() == [7, 5, 9, 2]
+    assert table["gait"].nunique() == 2
+    assert table["angle"].iloc[1] < 0 < frame["y"].iloc[1]  # to the left is anticlockwise
+    assert table["heading"].tolist() == pytest.approx([0, -0.5, 0, 0])
+    assert table["day"].tolist() == [3] * 4
+    assert table[["command_0", "command_1"]].to_numpy().tolist() == frame[["cmd_left", "cmd_right"]].to_numpy().tolist()
+    assert table["previous_gait"].isna().tolist() == [True, False, False, False]
+    bad = frame.assign(x=[0.1, np.nan, 0.3, 0.4])
+    with pytest.raises(DataError, match="row 1: x"):
+        bh.gaits_from_windows(bad, time_step=2.0)
+    kept = bh.gaits_from_windows(bad, time_step=2.0, drop=True)
+    assert kept.index.tolist() == [7, 9, 2]
+    assert kept["previous_gait"].isna().tolist() == [True, True, False]  # the row between is gone
+    for wrong, problem in (
+        ({"command": ("a",)}, "column 'a'"),
+        ({"time_step": None}, "time_step"),
+        ({"gaits": "some"}, "'some'"),
+    ):
+        with pytest.raises((DataError, InputError), match=problem):
+            bh.gaits_from_windows(frame, **{"time_step": 2.0, **wrong})
+
+
+def test_a_table_of_another_program_is_fitted_without_a_robot(bayeshunt, tmp_path) -> None:
+    table = pd.DataFrame(
+        {"gait": ["go", "turn"] * 10, "distance": [0.3, 0.01] * 10, "angle": 0.0, "heading": [0, 1.5] * 10}
+    )
+    table.to_csv(tmp_path / "t.csv", index=False)
+    table.to_parquet(tmp_path / "t.parquet")
+    for name in ("t.csv", "t.parquet"):
+        bayeshunt("fit", name, "--out", "m.json")
+        out, _ = bayeshunt("query", "m.json", "--distance", "0.3", "--angle", "0", "--json")
+        assert json.loads(out)["best"] == "go"
