@@ -8,7 +8,9 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.core.errors import InputError
 from bayeshunt.data import tracks as tracks_file
+from bayeshunt.models.counting.auto_axes import density_losses
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -32,6 +34,22 @@ def test_a_real_robot_that_babbled() -> None:
     assert scores.loc["residual", "position_m"] <= 0.31
     assert scores.loc["residual", "heading_deg"] <= 22
     assert scores.loc["previous_gait", "position_m"] <= 0.38
+
+
+def test_bins_chosen_by_the_data_are_better_than_the_default_by_a_nat() -> None:
+    rows = pd.read_csv(DATA / "husky_windows.csv")
+    command, pose = ("cmd_left_rad_s", "cmd_right_rad_s"), ("x_forward_m", "y_left_m", "yaw_ccw_rad")
+    table = bh.gaits_from_windows(rows, command, pose, time_step=2.0)
+    gaits = sorted(set(table["gait"]))
+    auto, default = (bh.ForwardModel.fit(table, gaits, 0.03, axes=axes) for axes in ("auto", None))
+    codes = table["gait"].map({gait: i for i, gait in enumerate(gaits)}).to_numpy()
+    one, two = (
+        sum(density_losses(table[axis.name.lower()].to_numpy(), codes, axis) for axis in model.axes)
+        for model in (auto, default)
+    )
+    assert one < two - 1
+    with pytest.raises(InputError, match="'auto'"):
+        bh.ForwardModel.fit(table, gaits, axes="best")
 
 
 def test_locusts_stand_and_walk() -> None:

@@ -30,6 +30,7 @@ from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.data.plausibility import warn_implausible
 from bayeshunt.models.body.opening import OpenTables
+from bayeshunt.models.counting.auto_axes import chosen_axes
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
@@ -105,7 +106,7 @@ class ForwardModel(OpenTables):
         gaits: Iterable[Gait | str] | GaitRepertoire,
         prior: float | None = None,
         *,
-        axes: EffectAxes | None = None,
+        axes: EffectAxes | str | None = None,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
         backoff: float | None = None,
@@ -117,7 +118,7 @@ class ForwardModel(OpenTables):
             those of the robot that the table's record names, or of ``axes``; else they are unknown.
         prior: Dirichlet pseudo-count per cell, >= 0; by default 0, with ``backoff`` 0.03.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
-            to the farthest row.
+            to the farthest row. "auto": those of the highest held-out density, see ``models.counting.auto_axes``.
         structure: "naive" (the paper), "tan", "joint", "previous_gait" or "learned", or a Structure. The
             edges of "tan" and "learned" are found in the rows; later updates keep them. For
             "previous_gait" the table must say which gait went before, see :meth:`given`.
@@ -131,7 +132,7 @@ class ForwardModel(OpenTables):
         """
         check_hunting(structure)
         record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
-        repertoire, grid = measured(gaits, axes, record)
+        repertoire, grid = measured(gaits, chosen_axes(axes, frame, gaits), record)
         empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior, backoff=backoff)
         return empty.update(frame)._fitted(structure)
 
