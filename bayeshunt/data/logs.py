@@ -135,7 +135,8 @@ def _with_commands(
     if not len(clock) or clock[0] > log["time"].max() or clock[-1] < log["time"].min():
         raise DataError(f"{source}: its clock does not meet the poses' "
                         f"({log['time'].min():g} to {log['time'].max():g} s); give offset= in seconds")  # fmt: skip
-    last = np.searchsorted(clock, log["time"].to_numpy(), side="right") - 1
+    # a microsecond is no order: offsets round
+    last = np.searchsorted(clock, log["time"].to_numpy() + 1e-6, side="right") - 1
     for i in range(values.shape[1]):
         log[f"command_{i}"] = np.where(last >= 0, values[np.maximum(last, 0), i], np.nan)
     return log, f"commands of {Path(source).name}: {', '.join(found['command'])}, the last before each pose"
