@@ -18,8 +18,9 @@ from bayeshunt.core.checks import check_kind, check_radians, check_whole
 from bayeshunt.core.messages import Moment, Run
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.core.streams import spawn_streams
-from bayeshunt.episodes.episode import Episode, Step
+from bayeshunt.episodes.episode import Episode
 from bayeshunt.episodes.hunter import Hunter
+from bayeshunt.episodes.recorder import Step
 from bayeshunt.episodes.trial import Trial
 from bayeshunt.models.target.registry import make_prey_model
 from bayeshunt.perception.registry import make_sensor, make_tracker
