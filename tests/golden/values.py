@@ -1,7 +1,9 @@
 """What the golden file holds: one SHA-256 for every result that must stay as it is, made through public names alone.
 
 Run as a script to print the hashes of this machine: ``python tests/golden/values.py``; with ``--write`` they replace
-those in ``golden.json`` (only for a change of results that somebody has asked for, in a commit that says so).
+those in ``golden.json`` (only for a change of results that somebody has asked for, in a commit that says so). On a
+processor with AVX-512 write them a second time as one without it would, with
+``NPY_DISABLE_CPU_FEATURES="X86_V4 AVX512_ICL AVX512_SPR"``.
 """
 
 from __future__ import annotations
