@@ -132,7 +132,7 @@ def explore(
 
 def _shown(walls: Any, steps: int) -> str:
     """A room in words: how many walls, and each of them in a row."""
-    from bayeshunt.views.terminal.texts import align
+    from bayeshunt.views.terminal.text_tables import align
 
     if not len(walls):
         return f"no walls found; {steps} gaits met none"

@@ -14,8 +14,7 @@ from bayeshunt.core import displays, units
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.drawings import maps, network
 from bayeshunt.views.notebook import html as display_html
-from bayeshunt.views.notebook import models, tables
-from bayeshunt.views.terminal import texts
+from bayeshunt.views.sheets import models, sheet, tables
 
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
@@ -39,9 +38,9 @@ def check(html: str) -> Reader:
             assert name not in ("href", "src", "action", "srcset"), name
             assert name == "xmlns" or "://" not in (value or ""), value
             assert name != "style" or re.fullmatch(r"[a-z0-9.%:;\-]+", value), value
-    for sheet in page.find("style"):
-        assert "@import" not in sheet["text"]
-        assert "url(" not in sheet["text"]
+    for style in page.find("style"):
+        assert "@import" not in style["text"]
+        assert "url(" not in style["text"]
     return page
 
 
@@ -99,9 +98,9 @@ def test_nothing_draws_without_a_drawer(shown) -> None:
 
 
 def test_strangers_are_refused() -> None:
-    with pytest.raises(TypeError, match="draws a int"):
+    with pytest.raises(TypeError, match="draws or prints a int"):
         displays.to_html(3)
-    with pytest.raises(TypeError, match="prints a int"):
+    with pytest.raises(TypeError, match="draws or prints a int"):
         displays.to_text(3)
 
 
@@ -274,7 +273,7 @@ def test_answers_show_what_they_rest_on(shown) -> None:
         for part in (*map(units.label, answer.evidence.values()), f"{answer.support} babbling rows"):
             assert units.true_minus(part) in page.text
             assert part in str(answer)
-        assert display_html.number(answer.evidence_probability, 4) in page.text
+        assert f"{answer.evidence_probability:.6g}" in page.text
         assert f"{answer.evidence_probability:.6g}" in str(answer)
         lit = [e["text"] for e in page.find("tr", "bh-lit")]
         assert lit
@@ -344,7 +343,7 @@ def test_a_bar_is_as_long_as_its_probability(shown) -> None:
 
 
 def test_what_is_printed_as_zero_has_no_bar() -> None:
-    page = Reader(models.bars({"much": 0.99996, "little": 0.00004}))
+    page = Reader(sheet.Bars({"much": 0.99996, "little": 0.00004}).html())
     assert "0.0000" in page.text
     assert len(page.find("span", "bh-bar")) == 1
 
@@ -371,7 +370,7 @@ def test_prey_table_lists_every_cell(shown) -> None:
 
 def test_nothing_counted_is_said(shown) -> None:
     assert "Nothing to show yet" in shown.empty._repr_html_()
-    assert "nothing to show yet" in str(shown.empty)
+    assert "Nothing to show yet" in str(shown.empty)
 
 
 # --- plans and hunts -------------------------------------------------------------------------------
@@ -467,9 +466,9 @@ def test_numbers_are_short(value: float | None, text: str) -> None:
 
 
 def test_sparks_show_whatever_is_not_zero() -> None:
-    assert texts.spark(np.array([0.0, 1e-9, 0.5, 1.0]), 4) == " ▁▄█"
-    assert texts.spark(np.zeros(5), 3) == "   "
-    assert len(texts.spark(np.ones(100), 12)) == 12
+    assert models.spark(np.array([0.0, 1e-9, 0.5, 1.0]), 4) == " ▁▄█"
+    assert models.spark(np.zeros(5), 3) == "   "
+    assert len(models.spark(np.ones(100), 12)) == 12
 
 
 def test_themes_follow_the_system_and_the_notebook() -> None:
@@ -517,3 +516,28 @@ def test_the_card_of_an_inverse_model_stays_small_however_wide_its_tables() -> N
 def test_every_coordinate_is_drawn_where_there_are_few(shown) -> None:
     hints = [e["text"] for e in check(maps.inverse_map(shown.inverse)).find("title")]
     assert len(hints) == len(shown.inverse.table()) + 1
+
+
+def test_text_and_html_of_a_thing_come_from_the_same_facts(thing) -> None:
+    from bayeshunt.views.notebook import display
+
+    made = display.sheet(thing)
+    text, html = str(thing), check(thing._repr_html_())
+    named = {e["text"] for e in html.find("dt")}
+    for name, value in made.pairs:
+        assert name in named
+        assert units.true_minus(str(value)) in html.text
+        assert any(line.startswith(f"{name}  ") for line in text.splitlines()), name
+
+
+def test_text_draws_nothing_and_html_prints_nothing(shown, monkeypatch) -> None:
+    """A robot that prints its plans pays for no picture."""
+
+    def fails(*_):
+        raise AssertionError("drawn")
+
+    for place in (maps, network):
+        for name in ("plan_map", "episode_map", "inverse_map", "network"):
+            monkeypatch.setattr(place, name, fails, raising=False)
+    for thing in (shown.plan, shown.episode, shown.inverse, shown.answer, shown.model):
+        assert str(thing)

@@ -117,8 +117,8 @@ def test_the_list_holds_every_command_that_prints_a_table():
     called = set(re.findall(r"\b(\w+_tables?|\w+_page|\w+_bars|align)\(", source))
     assert called == {
         "align", "assessment_tables", "episode_table", "explanation_table", "names_table", "planner_page",
-        "planners_table", "posterior_bars", "settings_table", "status_table", "success_table", "sweep_table",
-        "tradeoff_table", "open_tables", "count_tables",  # the last two are of data
+        "planners_table", "posterior_bars", "scores_table", "settings_table", "status_table", "success_table",
+        "sweep_table", "tradeoff_table", "open_tables", "count_tables",  # the last two are of data
     }  # fmt: skip
 
 
@@ -152,3 +152,26 @@ def test_json_numbers_stand_in_the_table(bayeshunt):
     (total,) = [row for row in rows if row["theta"] is None]
     assert f"{total['caught']}/{total['runs']}" in out
     assert f"{100 * total['ci_low']:.1f} to {100 * total['ci_high']:.1f}" in out
+
+
+def test_no_word_is_cut_in_a_narrow_terminal():
+    made = TextTable(folding("planner"), folding("meaning"), "caught")
+    made.row("prediction", "the gait that leads where the prey will be", "653/700")
+    lines = shown(made, 30)
+    assert any(line.split()[:1] == ["prediction"] for line in lines)
+    words = {word for line in lines for word in line.split()}
+    assert {
+        "planner",
+        "meaning",
+        "prediction",
+        "653/700",
+        *["the", "gait", "that", "leads", "where", "prey", "will", "be"],
+    } <= words
+
+
+def test_a_long_name_is_broken_between_its_words():
+    made = TextTable(folding("planner"), "caught")
+    made.row("proportional_navigation", "653/700")
+    words = [line.split() for line in shown(made, 22)]
+    assert ["proportional_", "653/700"] in words
+    assert ["navigation"] in words

@@ -88,7 +88,7 @@ def episode_map(episode: Episode) -> Html:
             parts.append(window.robot(*place, colour, f"{who}, {row['time']:.1f} s{chosen}", 6))
     if episode.caught and len(trail):
         end = window.at(trail["hunter_x"].iloc[-1], trail["hunter_y"].iloc[-1])
-        parts.append(svg.disc(*end, 11, "caught here", fill="none", stroke=svg.CHOSEN, stroke_width=2))
+        parts.append(svg.disc(*end, 11, "caught here", fill="none", stroke=svg.CATCH, stroke_width=2))
     parts += [window.ruler(), _legend(window)]
     return svg.drawing(window.width, window.height, *parts, label="Paths of hunter and prey from above")
 

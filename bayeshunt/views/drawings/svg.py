@@ -13,6 +13,7 @@ from bayeshunt.views.notebook.html import Html, tag
 
 INK, FAINT, LINE, PANEL = "var(--bh-ink)", "var(--bh-faint)", "var(--bh-line)", "var(--bh-panel)"
 BAR, CHOSEN, HUNTER, PREY = "var(--bh-bar)", "var(--bh-chosen)", "var(--bh-hunter)", "var(--bh-prey)"
+CATCH = "var(--bh-good)"
 
 
 def drawing(width: float, height: float, *content: Any, label: str) -> Html:

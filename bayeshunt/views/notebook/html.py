@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 from bayeshunt.views import theme
@@ -53,10 +53,16 @@ def fold(title: str, *content: Any, open_: bool = False) -> Html:
     return tag("details", tag("summary", title), *content, open=open_ or None)
 
 
-def table(columns: Sequence[str], rows: Iterable[Html], *, class_: str | None = None) -> Html:
-    """Return a scrolling table with a sticky header; ``rows`` are ``<tr>`` elements."""
+def table(
+    columns: Sequence[str], rows: Iterable[Html], *, class_: str | None = None, words: Container[int] = ()
+) -> Html:
+    """Return a scrolling table with a sticky header; ``rows`` are ``<tr>``, ``words`` the columns set to the left."""
     # An empty heading would be read out as one; an empty cell is passed over.
-    head = tag("thead", tag("tr", *(tag("th", name, scope="col") if name else tag("td") for name in columns)))
+    heads = (
+        tag("th", name, scope="col", class_="bh-left" if i in words else None) if name else tag("td")
+        for i, name in enumerate(columns)
+    )
+    head = tag("thead", tag("tr", *heads))
     # Focusable, so that the keyboard scrolls it; named, so that a screen reader says what has the focus.
     place = {"role": "group", "aria_label": f"table by {columns[0]}, scrolls"}
     return tag("div", tag("table", head, tag("tbody", *rows), class_=class_), class_="bh-scroll", tabindex="0", **place)

@@ -1,12 +1,14 @@
 """One way to lay out a table as text, in a terminal or in a string: no number is ever cut or folded.
 
 A table that is too wide for its terminal gives way in this order: columns that fold take more lines, the
-widest first, down to what they keep at least or to their longest number; after that the lines outgrow the
+widest first, down to what they keep at least or to their longest number or word; after that the lines outgrow the
 terminal, which wraps them. Columns of words (to be copied, or to tell rows apart) and of numbers stay whole.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from io import StringIO
 from typing import Any, NamedTuple
 
@@ -18,6 +20,7 @@ from rich.text import Text
 
 #: The rule below the head for terminals that have no lines to draw with.
 _PLAIN_HEAD = box.Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)
+_LONGEST = 24  # characters of a word that no column cuts
 _WIDE = 100_000  # characters: room for any table
 
 
@@ -111,7 +114,8 @@ class TextTable:
         for index, column in enumerate(self.columns):
             cells = [*([column.name] if self.head else []), *(cells[index].plain for cells, _ in self.rows)]
             widest = max((cell_len(line) for cell in cells for line in cell.splitlines()), default=0)
-            numbers = [cell_len(part) for cell in cells for part in cell.split() if any(map(str.isdigit, part))]
+            words = [(part, cell_len(part)) for cell in cells for word in cell.split() for part in _pieces(word)]
+            numbers = [size if any(map(str.isdigit, part)) else min(size, _LONGEST) for part, size in words]
             widths.append(widest)
             leasts.append(min(widest, max(column.least, *numbers, 0)) if column.folds else widest)
         return widths, leasts
@@ -126,8 +130,24 @@ class TextTable:
         for place, (cells, style) in enumerate(self.rows):
             if place in self.sections:
                 table.add_section()
-            table.add_row(*cells, style=style)
+            broken = (
+                _broken(c, w) if column.folds else c for c, w, column in zip(cells, widths, self.columns, strict=True)
+            )
+            table.add_row(*broken, style=style)
         return table
+
+
+def _pieces(word: str) -> list[str]:
+    """The pieces of a name that may stand in lines of their own: "proportional_" and "navigation"."""
+    return re.split(r"(?<=_)(?=[^_])", word)
+
+
+def _broken(cell: Text, width: int) -> Text:
+    """A cell whose names that are wider than ``width`` are broken where their pieces end, not amid a word."""
+    if "_" not in cell.plain or all(cell_len(word) <= width for word in cell.plain.split()):
+        return cell
+    words = ("\n".join(_pieces(word)) if cell_len(word) > width else word for word in cell.plain.split(" "))
+    return Text(" ".join(words), style=cell.style)
 
 
 def string_console(width: int) -> Console:
@@ -136,3 +156,23 @@ def string_console(width: int) -> Console:
         file=StringIO(), width=width, color_system=None, highlight=False, markup=False, force_jupyter=False,
         force_terminal=False, legacy_windows=False,
     )  # fmt: skip
+
+
+def align(head: Sequence[str], rows: Sequence[Sequence[str]], *, left: set[int] | None = None) -> list[str]:
+    """Return lines of a table with two spaces between columns; columns ``left`` are left-aligned."""
+    lefts = {0} if left is None else left
+    table = TextTable(*(word(name) if i in lefts else number(name) for i, name in enumerate(head)), ruled=False)
+    for row in rows:
+        table.row(*row)
+    return table.lines()
+
+
+def clean(name: Any, length: int = 24) -> str:
+    """Return a name on one line, without control characters that a terminal would obey, cut to ``length``."""
+    text = printable(name)
+    return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def printable(text: Any) -> str:
+    """Return text on one line, without control characters that a terminal would obey."""
+    return "".join(c if c.isprintable() else "�" for c in str(text))

@@ -1,11 +1,8 @@
-"""What a robot, its gaits, an experiment and a planner look like in print and in a notebook."""
+"""Sheets of a robot, its gaits, an experiment and a planner."""
 
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from bayeshunt.config.schema import BodySettings, ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.drives import find_drive
@@ -13,32 +10,8 @@ from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.units import degrees, length, speed
 from bayeshunt.planners.api import Shown
 from bayeshunt.planners.catalogue import summarise
-from bayeshunt.views.notebook.html import Html, card, facts, row, table
-from bayeshunt.views.terminal.texts import align, clean
-
-_WIDTH = 100  # columns of running text, at most
-
-
-class Sheet(NamedTuple):
-    """One thing to show: a title, facts by name, and a table (no columns: none)."""
-
-    title: str
-    pairs: list[tuple[str, str]]
-    columns: tuple[str, ...] = ()
-    rows: Sequence[Sequence[str]] = ()
-
-    def text(self) -> str:
-        """Return it as lines of text."""
-        width = max((len(name) for name, _ in self.pairs), default=0)
-        lines = textwrap.wrap(self.title, _WIDTH) + [f"{name:<{width}}  {value}" for name, value in self.pairs]
-        left = set(range(len(self.columns))) if self.columns[1:] == ("command",) else {0}
-        return "\n".join([*lines, *(["", *align(self.columns, self.rows, left=left)] if self.rows else [])])
-
-    def html(self) -> Html:
-        """Return it as a display of its own."""
-        body = table(self.columns, [row(cells[0], cells[1:]) for cells in self.rows]) if self.rows else None
-        title, _, subtitle = self.title.partition(": ")
-        return card(title, subtitle, facts(self.pairs), body)
+from bayeshunt.views.sheets.sheet import Sheet, Table
+from bayeshunt.views.terminal.text_tables import clean
 
 
 def robot(shown: RobotSettings) -> Sheet:
@@ -62,8 +35,8 @@ def robot(shown: RobotSettings) -> Sheet:
     for gait in shown.gait:
         one, other = (gait.speed, gait.steering) if car else (gait.left, gait.right)
         second = math.degrees(other or 0.0) if car else 1000 * (other or 0.0)
-        rows.append((clean(gait.name), f"{1000 * (one or 0.0):.1f}", f"{second:.1f}"))
-    return Sheet(f"Robot {clean(shown.name)}: {shown.description or 'no description'}", pairs, columns, rows)
+        rows.append((gait.name, f"{1000 * (one or 0.0):.1f}", f"{second:.1f}"))
+    return Sheet(f"Robot {clean(shown.name)}", shown.description or "no description", pairs, [Table(columns, rows)])
 
 
 def _registered(shown: RobotSettings) -> Sheet:
@@ -81,8 +54,8 @@ def _registered(shown: RobotSettings) -> Sheet:
     rows = []
     for gait in shown.gaits:
         values = [f"{value:g}" for value in gait.command]
-        rows.append((clean(gait.name), *(values if keys else [", ".join(values)])))
-    return Sheet(f"Robot {clean(shown.name)}: {shown.description or 'no description'}", pairs, columns, rows)
+        rows.append((gait.name, *(values if keys else [", ".join(values)])))
+    return Sheet(f"Robot {clean(shown.name)}", shown.description or "no description", pairs, [Table(columns, rows)])
 
 
 def gaits(shown: GaitRepertoire) -> Sheet:
@@ -91,8 +64,9 @@ def gaits(shown: GaitRepertoire) -> Sheet:
         ("body length", "unknown" if shown.body_length is None else length(shown.body_length)),
         ("time-step", "unknown" if shown.duration is None else f"{shown.duration:g} s, held by every gait"),
     ]
-    rows = [(clean(gait.name), ", ".join(f"{value:g}" for value in gait.command)) for gait in shown]
-    return Sheet(f"Gaits: {len(shown)}, in the order of every table", pairs, ("gait", "command"), rows)
+    rows = [(gait.name, ", ".join(f"{value:g}" for value in gait.command)) for gait in shown]
+    table = Table(("gait", "command"), rows, words=frozenset({0, 1}))
+    return Sheet("Gaits", f"{len(shown)}, in the order of every table", pairs, [table])
 
 
 def experiment(shown: ExperimentSettings) -> Sheet:
@@ -115,7 +89,8 @@ def experiment(shown: ExperimentSettings) -> Sheet:
         (name, f"{length(a.width)} x {length(a.height)}" if a.walled else "no walls")
         for name, a in shown.arenas.items()
     ]
-    return Sheet(f"Experiment {clean(shown.name)}: {shown.note or 'no note'}", pairs, ("arena", "size"), rows)
+    arenas = Table(("arena", "size"), rows)
+    return Sheet(f"Experiment {clean(shown.name)}", shown.note or "no note", pairs, [arenas])
 
 
 def _speed_of(robot: RobotSettings) -> str:
@@ -128,13 +103,5 @@ def planner(shown: Shown) -> Sheet:
     rows = [(name, str(value)) for name, value in shown.chosen().items()]
     known = getattr(shown, "gaits", ())
     pairs = [("gaits", ", ".join(map(clean, known)))] if known else []
-    return Sheet(f"Planner {shown.name}: {summarise(type(shown))}", pairs, ("setting", "value"), rows)
-
-
-#: How each class is shown.
-SHEETS: dict[type, Callable[..., Sheet]] = {
-    RobotSettings: robot,
-    GaitRepertoire: gaits,
-    ExperimentSettings: experiment,
-    Shown: planner,
-}
+    settings = Table(("setting", "value"), rows) if rows else None
+    return Sheet(f"Planner {shown.name}", summarise(type(shown)), pairs, [settings])

@@ -1,4 +1,4 @@
-"""Probability tables as heat maps: the count and the interval of every cell at hand, long tables readable."""
+"""Sheets of probability tables, as heat maps: count and interval of every cell at hand, long tables readable."""
 
 from __future__ import annotations
 
@@ -13,18 +13,38 @@ from bayeshunt.core.units import degrees, label, length, true_minus
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.views.drawings import maps, svg
-from bayeshunt.views.notebook.html import Html, card, facts, fold, join, number, probability, row, table, tag
+from bayeshunt.views.notebook.html import Html, number, probability, row, table, tag
+from bayeshunt.views.sheets.sheet import Drawn, Note, Part, Printed, Sheet, Table
+from bayeshunt.views.terminal.text_tables import clean
 
 #: Of a longer table only the likeliest bins are shown.
 MOST_ROWS = 200
+_MOST_PRINTED = 60  # rows of a table in text
 #: Nor more cells than a browser shows at once, some 2 MB of page.
 _MOST_CELLS = 12_000
 
 
-def probability_table(shown: ProbabilityTable) -> Html:
-    """Return a table as a display of its own."""
+def probability_table(shown: ProbabilityTable) -> Sheet:
+    """Return a table with all that is behind its numbers; in text the bins that rows fell into, or could."""
     bins, columns = shown.probability.shape
-    return card(shown.title, f"{bins} x {columns}, {_origin(shown)}", heat_table(shown))
+    parts: list[Part] = [Drawn(lambda: heat_table(shown)), Printed(lambda: _seen(shown).lines())]
+    return Sheet(shown.title, f"{bins} x {columns}, {_origin(shown)}", (), parts)
+
+
+def _seen(shown: ProbabilityTable) -> Table:
+    """The bins that rows fell into, or could; zeros are dots."""
+    values = shown.probability.to_numpy()
+    counts = None if shown.count is None else shown.count.to_numpy().sum(axis=1)
+    kept = np.flatnonzero(values.any(axis=1) if counts is None or not counts.any() else counts)[:_MOST_PRINTED]
+    labels, head = _states(shown), [shown.variable, *map(clean, shown.probability.columns)]
+    rows = [[labels[i], *("·" if p == 0 else f"{p:.3f}" for p in values[i])] for i in kept]
+    left = len(labels) - len(kept)
+    more = f"{left} more bins"
+    if counts is not None:
+        head.append("rows")
+        rows = [[*row, counts[i]] for row, i in zip(rows, kept, strict=True)]
+        more += f", {counts.sum() - counts[kept].sum()} rows in them"
+    return Table(head, rows, left_out=more if left else "")
 
 
 def _origin(shown: ProbabilityTable) -> str:
@@ -45,10 +65,10 @@ def heat_table(shown: ProbabilityTable) -> Html:
     rows = []
     for i in kept:
         cells = [
-            _cell(shown, (labels[i], columns[j]), values[i, j], [a[i, j] for a in behind], top, group)
+            _cell(shown, (true_minus(labels[i]), columns[j]), values[i, j], [a[i, j] for a in behind], top, group)
             for j in range(len(columns))
         ]
-        rows.append(row(labels[i], cells))
+        rows.append(row(true_minus(labels[i]), cells))
     shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")][: len(behind) // 2]
     switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
@@ -63,7 +83,7 @@ def heat_table(shown: ProbabilityTable) -> Html:
 def _states(shown: ProbabilityTable) -> list[str]:
     """The bins as people read them, gaits as they are called."""
     names = list(shown.probability.index)
-    return names if shown.variable == "Gait" else [true_minus(label(name)) for name in names]
+    return names if shown.variable == "Gait" else [label(name) for name in names]
 
 
 def _behind(shown: ProbabilityTable) -> list[np.ndarray]:
@@ -116,45 +136,42 @@ def _rows_to_show(values: np.ndarray) -> list[int]:
     return sorted(np.argsort(-values.max(axis=1), kind="stable")[:most].tolist())
 
 
-def prey_model(prey: PreyModel) -> Html:
+def prey_model(prey: PreyModel) -> Sheet:
     """Return the prey table: each transition seen, how often, and where it leads."""
     title = "Prey model: P(Distance, Angle, Heading)"
     subtitle = f"{prey.observations} transitions, in the prey's own frame one time-step earlier"
     if prey.is_empty:
-        return card(title, subtitle, tag("div", "Nothing observed yet, so nothing can be predicted."))
-    return card(title, subtitle, expected(prey), tag("div", prey_map(prey), prey_table(prey), class_="bh-two"))
-
-
-def expected(prey: PreyModel) -> Html | None:
-    """Return the mean transition in words; None if the headings seen leave no mean."""
-    try:
-        mean = prey.predict(1)
-    except NothingObservedError:
-        return None
-    return facts(
-        [
-            ("expected next distance", length(mean.distance)),
-            ("expected angle", f"{true_minus(degrees(mean.angle, 1))} clockwise"),
-            ("expected heading", f"{true_minus(degrees(mean.heading, 1))} clockwise"),
-        ]
+        return Sheet(title, subtitle, (), [Note("Nothing observed yet, so nothing can be predicted.")])
+    cells = prey_table(prey)
+    return Sheet(
+        title, subtitle, expected(prey), [Drawn(lambda: prey_map(prey), cells, beside=True), Printed(cells.lines)]
     )
 
 
-def prey_table(prey: PreyModel) -> Html:
+def expected(prey: PreyModel) -> list[tuple[str, str]]:
+    """Return the mean transition in words; nothing if the headings seen leave no mean."""
+    try:
+        mean = prey.predict(1)
+    except NothingObservedError:
+        return []
+    return [
+        ("expected next distance", length(mean.distance)),
+        ("expected angle", f"{degrees(mean.angle, 1)} clockwise"),
+        ("expected heading", f"{degrees(mean.heading, 1)} clockwise"),
+    ]
+
+
+def prey_table(prey: PreyModel) -> Table:
     """Return the cells seen, the most frequent first."""
     frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
-    rows = []
-    for labels, p, n, low, high in zip(
-        frame.index, frame["probability"], frame["count"], frame["low"], frame["high"], strict=True
-    ):
-        labels = [true_minus(label(name)) for name in labels]
-        cells = [*labels[1:], f"{p:.3f}", n, f"{low:.3f} to {high:.3f}"]
-        rows.append(row(labels[0], cells))
-        if len(rows) == MOST_ROWS:
-            break
-    shown = table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows)
+    columns = (frame[name].tolist() for name in ("probability", "count", "low", "high"))
+    rows = [
+        [*map(label, bins), f"{p:.3f}", int(n), f"{low:.3f} to {high:.3f}"]
+        for bins, p, n, low, high in list(zip(frame.index, *columns, strict=True))[:MOST_ROWS]
+    ]
     rest = len(frame) - len(rows)
-    return join([shown, tag("div", f"and {rest} rarer cells", class_="bh-note") if rest else None])
+    more = f"and {rest} rarer cells" if rest else ""
+    return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more)
 
 
 def prey_map(prey: PreyModel) -> Html:
@@ -172,8 +189,3 @@ def prey_map(prey: PreyModel) -> Html:
         hint = f"{weights[i]} of {prey.observations} transitions"
         parts.append(window.robot(right[i], ahead[i], math.pi / 2 - headings[i], svg.PREY, hint, size))
     return svg.drawing(window.width, window.height, *parts, window.ruler(), label="Where the prey's steps led")
-
-
-def folded_tables(tables: list[ProbabilityTable]) -> Html:
-    """Return several tables, each opening at a click, the first one open."""
-    return join(fold(t.title, heat_table(t), open_=i == 0) for i, t in enumerate(tables))

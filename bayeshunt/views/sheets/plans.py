@@ -1,4 +1,4 @@
-"""Displays of a plan, as a tree that can be walked, and of a whole hunt."""
+"""Sheets of a plan, as a tree that can be walked, and of a whole hunt."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.units import objective
+from bayeshunt.core.units import degrees, objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.planners.api import Plan
 from bayeshunt.views import grounds
 from bayeshunt.views.drawings import maps
-from bayeshunt.views.notebook.html import Html, card, facts, fold, join, number, row, table, tag
-from bayeshunt.views.notebook.models import bars
+from bayeshunt.views.notebook.html import Html, number, tag
+from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Part, Printed, Sheet, Table
+from bayeshunt.views.terminal.text_tables import clean
 
 #: At most so many children of a node and so many nodes of a tree are shown.
 MOST_CHILDREN = 12
@@ -24,33 +25,49 @@ _MOST_ROWS = 200
 _VALUES = (("value_m", "mm", 1000.0), ("value_s", "s", 1.0), ("value", "", 1.0))
 
 
-def plan(shown: Plan) -> Html:
+def plan(shown: Plan) -> Sheet:
     """Return a decision, what it expects, and the alternatives considered with the chosen branch lit."""
     value, what = objective(shown.value, shown.objective)
+    opened = f", {shown.expansions} expanded" if shown.expansions else ""
     pairs: list[tuple[str, Any]] = [
         ("sequence", _runs(shown.gaits)),
-        (what, number(value, 4)),
-        ("alternatives considered", shown.nodes),
+        ("value", f"{value:.4g}, {what}"),
+        ("nodes", f"{shown.nodes} considered{opened}"),
     ]
-    if shown.expansions:
-        pairs.append(("nodes expanded", shown.expansions))
     if shown.evidence_probability is not None:
-        pairs.append(("P(evidence)", number(shown.evidence_probability, 4)))
-        pairs.append(("support", grounds.rows(shown.support)))
+        rests_on = f"P = {shown.evidence_probability:.4g}, support {grounds.rows(shown.support)}"
+        pairs.append(("evidence", rests_on))
     known = "the prey model was used" if shown.prey_known else "the prey model was not used"
-    where = maps.plan_map(shown)
-    return card(f"Plan: {shown.gait}", known, facts(pairs), tag("div", where, alternatives(shown), class_="bh-two"))
+    considered, printed = alternatives(shown)
+    return Sheet(
+        f"Plan: {shown.gait}", known, pairs, [Drawn(lambda: maps.plan_map(shown), considered, beside=True), printed]
+    )
 
 
-def alternatives(shown: Plan) -> Html:
-    """Return what was considered: a tree, a bar per gait, or the trace as it is."""
+def alternatives(shown: Plan) -> tuple[Part, Part | None]:
+    """Return what was considered, a tree, a bar per gait, or the trace as it is; and its form in text, if any."""
     trace = shown.trace
     if {"node", "parent"} <= set(trace.columns):
-        return fold("The search tree", tree(trace), open_=True)
+        return Drawn(lambda: tree(trace), title="The search tree", opened=True), Printed(lambda: _branch_lines(trace))
     if shown.posterior is not None and "gait" in trace.columns and len(trace) == len(shown.posterior):
-        shares = dict(zip(map(str, trace["gait"]), np.asarray(shown.posterior).tolist(), strict=True))
-        return bars(shares, shown.gait)
-    return frame_table(trace)
+        bars = Bars(dict(zip(map(str, trace["gait"]), np.asarray(shown.posterior).tolist(), strict=True)), shown.gait)
+        return bars, Printed(bars.lines)
+    return frame_table(trace), None
+
+
+def _branch_lines(trace: pd.DataFrame, most: int = 3) -> list[str]:
+    """The chosen branch, and beside each of its nodes the next best alternatives."""
+    value, unit, factor = value_column(trace.columns)
+    if value is None or not {"chosen", "T"} <= set(trace.columns):
+        return []
+    lines = []
+    for record in trace[trace["chosen"]].sort_values("T").to_dict("records"):
+        indent = "  " * int(record["T"])
+        lines.append(f"{indent}* {clean(record['gait']) or 'now'}  {factor * record[value]:.2f} {unit}".rstrip())
+        rivals = trace[(trace["parent"] == record["parent"]) & ~trace["chosen"]]
+        for rival in rivals.nsmallest(most, value).to_dict("records"):
+            lines.append(f"{indent}  {clean(rival['gait'])}  {factor * rival[value]:.2f}")
+    return lines
 
 
 def tree(trace: pd.DataFrame) -> Html:
@@ -111,7 +128,7 @@ def value_column(columns: Any) -> tuple[str | None, str, float]:
     return next((found for found in _VALUES if found[0] in columns), (None, "", 1.0))
 
 
-def episode(shown: Episode) -> Html:
+def episode(shown: Episode) -> Sheet:
     """Return how a hunt went: its outcome, both paths, a row per decision."""
     origin = shown.provenance
     ending = f"caught after {shown.time:.2f} s" if shown.caught else f"not caught in {shown.time:g} s"
@@ -121,43 +138,39 @@ def episode(shown: Episode) -> Html:
     changes = int((shown.frame["gait"].to_numpy()[1:] != shown.frame["gait"].to_numpy()[:-1]).sum())
     pairs += [("decisions", len(shown.frame)), ("changes of gait", changes)]
     what = objective(0.0, shown.frame["objective"].iloc[0])[1] if len(shown.frame) else ""
-    note = tag("div", f"value: {what}; moves seen: prey transitions learned before the decision", class_="bh-note")
-    body = tag("div", maps.episode_map(shown), _decisions(shown.frame), class_="bh-two")
-    return card(f"Hunt: {ending}", _where(shown), facts(pairs), body, note)
+    decisions = _decisions(shown.frame)
+    note = Note(f"value: {what}; moves seen: prey transitions learned before the decision")
+    where = f"settings {origin.get('settings', {}).get('name', 'unknown')!r}"
+    return Sheet(
+        f"Hunt: {ending}",
+        where,
+        pairs,
+        [Drawn(lambda: maps.episode_map(shown), decisions, beside=True), Printed(decisions.lines), note],
+    )
 
 
-def _where(shown: Episode) -> str:
-    """Which settings a hunt was made with."""
-    return f"settings {shown.provenance.get('settings', {}).get('name', 'unknown')!r}"
+def _decisions(frame: pd.DataFrame) -> Table:
+    rows = [
+        [
+            r["step"], f"{r['time']:.1f}", f"{r['seen_distance'] * 1000:.0f}", degrees(r["seen_angle"]), r["gait"],
+            f"{objective(r['value'], r['objective'])[0]:.3g}", r["prey_observations"],
+        ]
+        for r in frame.to_dict("records")
+    ]  # fmt: skip
+    columns = ["step", "time [s]", "prey at [mm]", "bearing", "gait", "value", "moves seen"]
+    return Table(columns, rows, words=frozenset({4}), most=len(rows))
 
 
-def _decisions(frame: pd.DataFrame) -> Html:
-    rows = []
-    for r in frame.to_dict("records"):
-        rows.append(
-            row(
-                r["step"],
-                [
-                    f"{r['time']:.1f}", f"{r['seen_distance'] * 1000:.0f}", f"{math.degrees(r['seen_angle']):.0f}",
-                    tag("td", r["gait"], class_="bh-left"),
-                    number(objective(r["value"], r["objective"])[0]), r["prey_observations"],
-                ],
-            )
-        )  # fmt: skip
-    return table(["step", "time [s]", "prey at [mm]", "bearing [°]", "gait", "value", "moves seen"], rows)
-
-
-def frame_table(frame: pd.DataFrame) -> Html:
+def frame_table(frame: pd.DataFrame) -> Table:
     """Return a table as it is, its chosen rows on top and lit; at most 200 rows."""
     columns = [str(c) for c in frame.columns]
     if "chosen" in columns:
         frame = frame.sort_values("chosen", ascending=False, kind="stable")
-    rows = []
-    for record in frame.head(_MOST_ROWS).to_dict("records"):
-        cells = ["-" if v is pd.NA else number(v) if isinstance(v, float) else str(v) for v in record.values()]
-        rows.append(row(cells[0], cells[1:], lit=bool(record.get("chosen", False))))
+    records = frame.head(_MOST_ROWS).to_dict("records")
+    rows = [["-" if v is pd.NA else number(v) if isinstance(v, float) else str(v) for v in r.values()] for r in records]
     rest = len(frame) - len(rows)
-    return join([table(columns, rows), tag("div", f"and {rest} more rows", class_="bh-note") if rest else None])
+    lit = frozenset(i for i, record in enumerate(records) if record.get("chosen", False))
+    return Table(columns, rows, lit, left_out=f"and {rest} more rows" if rest else "")
 
 
 def _runs(gaits: tuple[str, ...]) -> str:

@@ -1,13 +1,15 @@
-"""An assessment in a notebook: the structures first, then what the chosen one predicts, then the tests."""
+"""The sheet of an assessment: the structures first, then what the chosen one predicts, then the tests."""
 
 from __future__ import annotations
 
 from bayeshunt.models.assessment.assess import Assessment
-from bayeshunt.views.notebook.html import Html, card, facts, fold, number, row, table, tag
+from bayeshunt.views.notebook.html import Html, number, row, table, tag
+from bayeshunt.views.sheets.sheet import Drawn, Note, Printed, Sheet
+from bayeshunt.views.terminal.assessment import assessment_text
 
 
-def assessment(shown: Assessment) -> Html:
-    """Return an assessment as a display of its own."""
+def assessment(shown: Assessment) -> Sheet:
+    """Return an assessment; its text is that of the command."""
     settings = shown.settings
     bins = ", ".join(f"{name} {bins}" for name, bins in settings["bins"].items())
     subtitle = f"{settings['rows']} rows, {settings['folds']} folds, seed {settings['seed']}; bins {bins}"
@@ -15,19 +17,20 @@ def assessment(shown: Assessment) -> Html:
     known = [("gait inferred from Distance and Angle", accuracy), ("prior per cell", number(settings["prior"]))]
     if shown.given is not None:
         known.append(("the model's own log-loss", number(shown.given["log_loss"], 4)))
-    return card(
-        "Assessment",
-        subtitle,
-        facts(known),
-        _structures(shown),
-        tag("div", "Held-out log-loss of Distance, Angle and Heading [nat per row]; gain over naive, 95 % interval; "
-            "BIC: more is better.", class_="bh-note"),
-        fold("What each structure assumes", _factors(shown)),
-        fold(f"Predictions of each variable, structure {settings['structure']}", _variables(shown)),
-        fold("Independent given the gait?", _independence(shown)),
-        fold("Gaits taken for others", _confusion(shown)),
-        *(tag("div", note, class_="bh-note") for note in shown.notes),
-    )  # fmt: skip
+    measure = (
+        "Held-out log-loss of Distance, Angle and Heading [nat per row]; gain over naive, 95 % interval; "
+        "BIC: more is better."
+    )
+    predictions = f"Predictions of each variable, structure {settings['structure']}"
+    drawn = [
+        Drawn(_structures(shown), Note(measure)),
+        Drawn(_factors(shown), title="What each structure assumes"),
+        Drawn(_variables(shown), title=predictions),
+        Drawn(_independence(shown), title="Independent given the gait?"),
+        Drawn(_confusion(shown), title="Gaits taken for others"),
+        *(Drawn(Note(note)) for note in shown.notes),
+    ]
+    return Sheet("Assessment", subtitle, known, [Printed(lambda: assessment_text(shown).splitlines()), *drawn])
 
 
 def _structures(shown: Assessment) -> Html:
