@@ -17,7 +17,7 @@ from bayeshunt.core import displays
 from bayeshunt.core.checks import FULL_TURN, check_bearings, check_kind, check_number, check_numbers, check_radians
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
 from bayeshunt.core.gaits import Gait
-from bayeshunt.core.geometry import wrap
+from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.nearest import FARTHEST, CellFinder
 from bayeshunt.models.body.posterior import Cell, CellPosterior, Posterior
@@ -29,6 +29,8 @@ _TURNS = 2
 _FARTHEST_TURN = _TURNS * FULL_TURN
 _floor = math.floor
 _make = tuple.__new__
+#: Targets that a belief is asked for.
+_SAMPLES = 1000
 #: Angular distances [rad] closer than this are ties.
 _TIE = 1e-9
 
@@ -127,6 +129,28 @@ class InverseModel:
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
         check_bearings(a, "target angles", _TURNS)
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
+
+    def posterior_of(self, samples: Any, weights: Any = None) -> pd.Series:
+        """Return ``sum_k w_k P(Gait | target_k)``: which gait leads there when the target is not a point.
+
+        samples: K targets in the robot's frame: a Polar of arrays [K], a Pose of arrays [K] (counter-clockwise), a
+            DataFrame with columns distance [m] and angle [rad clockwise], or an array [K, 2] of both. A belief whose
+            frame is the robot's own is asked for 1,000 samples, the same every time.
+        weights: [K], >= 0, not all 0; they need not sum to 1. None: equal.
+
+        Raises InputError for samples or weights of another kind, or out of range.
+        """
+        distances, angles = _targets(samples)
+        answers = self.posterior_many(distances, angles)
+        if not len(answers):
+            raise InputError("samples: expected at least one target")
+        shares = np.ones(len(answers)) if weights is None else check_numbers(weights, "weights")
+        if shares.shape != (len(answers),) or not (
+            np.isfinite(shares).all() and shares.min() >= 0 and shares.sum() > 0
+        ):
+            raise InputError(f"weights: expected {len(answers)} numbers >= 0, one a target, not all 0")
+        mixed = (shares / shares.sum()) @ answers
+        return pd.Series(mixed, index=pd.Index(self.model.gaits.names, name="Gait"), name="probability")
 
     def table(self) -> pd.DataFrame:
         """Return the whole posterior table, one row per learned cell, in order of distance and angle.
@@ -251,6 +275,29 @@ class InverseModel:
         gaps = np.abs(wrap(self.model.axes.heading.centres - heading))
         gaps = np.where(possible, gaps, np.inf)
         return int(np.flatnonzero(gaps <= gaps.min() + _TIE)[0])
+
+
+def _targets(samples: Any) -> tuple[Any, Any]:
+    """Distances and angles [K] of targets given in one of three ways."""
+    if callable(sample := getattr(samples, "sample", None)) and not isinstance(samples, pd.DataFrame):
+        samples = sample(_SAMPLES, rng=np.random.default_rng(0))
+    if isinstance(samples, Pose):
+        samples = Pose(0.0, 0.0, 0.0).relative(Pose(*map(np.atleast_1d, samples)))
+    if isinstance(samples, Polar):
+        return np.atleast_1d(samples.distance), np.atleast_1d(samples.angle)
+    if isinstance(samples, pd.DataFrame):
+        if missing := [name for name in ("distance", "angle") if name not in samples]:
+            raise InputError(f"samples: the table has no column {missing[0]!r}")
+        return samples["distance"].to_numpy(), samples["angle"].to_numpy()
+    try:
+        array = np.asarray(samples, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise InputError(
+            "samples: expected a Polar of arrays, a table with columns distance and angle, or an array [K, 2]"
+        )
+    return array[:, 0], array[:, 1]
 
 
 def _impossible(d: float, a: float, h: float | None) -> str:

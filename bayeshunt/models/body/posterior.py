@@ -12,6 +12,8 @@ from bayeshunt.core import displays, units
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.explain import explain
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.certainty.interval import interval
+from bayeshunt.models.certainty.sensitivity import sensitivity
 
 
 class Cell(NamedTuple):
@@ -183,6 +185,38 @@ class Posterior(NamedTuple):
         """
         cell = self.cell
         return explain(self.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin), self.values, reference)
+
+    def interval(self, level: float = 0.95, pseudo: float | None = None) -> pd.DataFrame:
+        """Return how sure each probability is: low, median, high, a row per gait in table order.
+
+        The Dirichlet uncertainty of every table cell that the answer is made of, carried to P(Gait | evidence) by
+        draws that are the same every time; ``models.certainty.interval``. The printed probability lies inside.
+
+        level: probability inside, in (0, 1). pseudo: Dirichlet pseudo-count per cell, > 0; None: the model's prior
+            (with back-off: the rows of the tables leant on), and where that is 0, 1/K a cell of a table of K bins.
+            ``attrs["pseudo"]`` says which.
+
+        Raises InputError for an imported network, whose counts nobody knows, and for numbers out of range.
+        """
+        return interval(self.model.source, self._bins, self.values, level, pseudo)
+
+    def sensitivity(self, level: float = 0.95) -> pd.DataFrame:
+        """Return which table cells the answer hangs on: a row per cell, largest effect first.
+
+        Each cell is moved to the ends of its own credible interval (that of ``model.table``), the others held.
+        Columns: variable, state, given (the parents' states): the cell; count: its rows; probability, low, high: the
+        cell and its interval; best_at_low, best_at_high: P(best gait) with the cell there; effect: their difference.
+
+        Raises InputError for an imported network, whose counts nobody knows, and for a level outside (0, 1).
+        """
+        return sensitivity(self.model.source, self._bins, int(np.argmax(self.values)), level)
+
+    @property
+    def _bins(self) -> dict[str, int]:
+        """Bin number of each effect observed."""
+        cell = self.cell
+        bins = {"Distance": cell.distance_bin, "Angle": cell.angle_bin}
+        return bins if cell.heading_bin is None else {**bins, "Heading": cell.heading_bin}
 
     def __repr__(self) -> str:
         evidence = ", ".join(f"{name} {units.label(label)}" for name, label in self.evidence.items())

@@ -1,0 +1,46 @@
+"""Which cell an answer hangs on: by moving the cell in the tables by hand."""
+
+import numpy as np
+import pytest
+from model_cases import babbled, repertoire, small_axes
+
+import bayeshunt as bh
+
+
+def fitted(structure, prior):
+    rows = babbled(120, seed=4)
+    rows["previous_gait"] = rows["gait"].shift(1)
+    return bh.ForwardModel.fit(rows, repertoire(), prior, axes=small_axes(3, 4, 4), structure=structure)
+
+
+@pytest.mark.parametrize("prior", [0.0, 0.5])
+def test_each_cell_moved_by_hand(prior):
+    model = fitted("naive", prior)
+    answer = bh.InverseModel(model).posterior(0.15, 0.4)
+    found = answer.sensitivity()
+    assert list(found["effect"]) == sorted(found["effect"], reverse=True)
+    assert len(found) == 2 * len(model.gaits)
+    tables = {v: model.cpt(v).loc[answer.evidence[v]] for v in ("Distance", "Angle")}
+    for row in found.to_dict("records"):
+        gait, variable = row["given"].removeprefix("Gait = "), row["variable"]
+        assert row["state"] == answer.evidence[variable]
+        assert row["count"] == model.counts(variable).loc[row["state"], gait]
+        assert row["count"] == len(model.rows(variable, row["state"], gait))
+        low, high = model.credible_interval(variable)
+        for end, bound in (("low", low), ("high", high)):
+            assert row[end] == pytest.approx(bound.loc[row["state"], gait], abs=1e-12)
+            moved = {v: table.copy() for v, table in tables.items()}
+            moved[variable][gait] = row[end]
+            joint = moved["Distance"] * moved["Angle"]
+            expected = joint[answer.best] / joint.sum() if joint.sum() else np.nan
+            assert row[f"best_at_{end}"] == pytest.approx(expected, abs=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize("structure", ["tan", "joint", "previous_gait"])
+def test_every_cell_of_any_structure_holds_the_best_between_its_ends(structure):
+    answer = bh.InverseModel(fitted(structure, 0.3)).posterior(0.15, 0.4)
+    found = answer.sensitivity()
+    best, ends = answer.values.max(), found[["best_at_low", "best_at_high"]]
+    assert (ends.min(axis=1) <= best + 1e-9).all()
+    assert (ends.max(axis=1) >= best - 1e-9).all()
+    assert found["effect"].iloc[0] > 0
