@@ -39,7 +39,7 @@ class _Rule(typing.NamedTuple):
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Return ``function`` with its arguments held to its type hints (but numbers): InputError names the wrong one."""
     # Numbers are left to the checks of their range inside, which say better what is expected.
-    numbers = {_PLAIN[float].words, _PLAIN[int].words}
+    numbers = {f"{rule.words}{none}" for rule in (_PLAIN[float], _PLAIN[int]) for none in ("", " or None")}
     names = [p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_POSITIONAL]
 
     @functools.wraps(function)
@@ -113,7 +113,7 @@ def _rule(hint: Any) -> _Rule | None:
         return _PLAIN[kind]
     if kind in _MANY:
         return _many(args)
-    if not isinstance(kind, type) or kind in (object, np.ndarray) or getattr(kind, "_is_protocol", False):
+    if not isinstance(kind, type) or kind in (Any, object, np.ndarray) or getattr(kind, "_is_protocol", False):
         return None
     article = "an" if kind.__name__[:1] in "AEIOU" else "a"
     return _Rule(lambda v: isinstance(v, kind), f"{article} {kind.__name__}")
@@ -130,9 +130,8 @@ def _either(options: list[_Rule | None]) -> _Rule | None:
 
 def _many(args: tuple[Any, ...]) -> _Rule:
     """A list, tuple, array or other iterable, never a text; the values of lists and tuples are looked at too."""
-    each = _rule(args[0]) if args and (len(args) == 1 or args[1] is ...) else None
-    words = {"text": "texts", "a number": "numbers", "a whole number": "whole numbers"}
-    of = "" if each is None else f" of {words.get(each.words, each.words)}"
+    each = _rule(str) if str in args[:1] else None  # other values are looked at where they are used
+    of = "" if each is None else " of texts"
 
     def accepts(value: Any) -> bool:
         if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, abc.Iterable):

@@ -19,8 +19,8 @@ from bayeshunt.experiments.store.identity import LIBRARIES, Identity
 from bayeshunt.views.pages.report import report_facts, report_html, write_report
 
 PACKAGE = Path(bayeshunt.__file__).parent
-#: What the rooms below the experiments import and what changes no number: checks of settings, files.
-HARMLESS = {"pyarrow", "pydantic", "pydantic_core"}
+#: What the rooms below the experiments import and what changes no number: checks of settings, files, types.
+HARMLESS = {"pyarrow", "pydantic", "pydantic_core", "typing_extensions", "h5py", "rosbags"}
 
 
 def distributions_below_the_experiments():
