@@ -114,7 +114,7 @@ class Hunter:
         if self.skipped:
             lines.append(f"{self.skipped} of {self.steps - 1} transitions were not learned")
         lines.append(
-            f"{self.planner.name} chose {self.plan.gait!r}: {self.plan.objective} {self.plan.value:.4g}, "
+            f"{_name(self.planner)} chose {self.plan.gait!r}: {self.plan.objective} {self.plan.value:.4g}, "
             f"{self.plan.nodes} considered"
         )
         return "\n".join(lines)
@@ -184,7 +184,7 @@ def _planner(planner: Planner | str, model: ForwardModel | None) -> Planner:
         from bayeshunt.planners.registry import make_planner  # brings every planner, and pandas
 
         return make_planner(planner, model)
-    check_can_plan(planner)
+    check_can_plan(planner, named=False)  # an evaluation knows it by the name it is registered under
     return planner
 
 
@@ -195,7 +195,9 @@ def _gaits(planner: Planner, model: ForwardModel | None, gaits: GaitRepertoire |
     given = gaits if gaits is not None else None if model is None else model.gaits
     if given is None:
         if own is None:
-            raise InputError(f"model: planner {planner.name!r} does not say which gaits the robot has; give model= too")
+            raise InputError(
+                f"model: planner {_name(planner)!r} does not say which gaits the robot has; give model= too"
+            )
         return own
     check_robot(planner, given, "the hunter")
     return given
@@ -238,6 +240,10 @@ def _moved(frame: Frame, origin: Pose) -> Frame:
         for one in frame.detections
     )
     return Frame(frame.time, in_frame(_pose(frame.pose, "seen"), origin), found)
+
+
+def _name(planner: Planner) -> str:
+    return str(getattr(planner, "name", type(planner).__name__))
 
 
 def _ordinal(number: int) -> str:
