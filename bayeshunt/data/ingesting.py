@@ -59,7 +59,7 @@ class Held:
 def needs_ingesting(path: str | os.PathLike[str]) -> bool:
     """Return whether a file is no babbling table with a record yet: text, a ROS bag, or Parquet of another program."""
     if Path(path).is_dir():
-        return True
+        return (Path(path) / "metadata.yaml").is_file()  # a rosbag2 is a folder
     if not read_bytes(path, "a babbling table or a log").startswith(b"PAR1"):
         # what ends as Parquet is damaged Parquet, not a log
         return Path(path).suffix.lower() not in (".parquet", ".pq")
@@ -72,7 +72,10 @@ def babbling_from(paths: Sequence[str | os.PathLike[str]], options: LogOptions) 
 
     Raises DataError that names file and column, InputError for what has to be said (``--time-step``, units).
     """
-    tables = [read_table(path) for path in paths]
+    try:
+        tables = [read_table(path) for path in paths]
+    except DataError as error:
+        raise DataError(f"{error}; or give a table made by: bayeshunt babble") from None
     if all(set(babbling_table.COLUMNS) <= set(table.columns) for table in tables):
         frames = [_numbered(table, os.fspath(path)) for table, path in zip(tables, paths, strict=True)]
         return _with_repertoire(pd.concat(frames, ignore_index=True), options, [Path(p).name for p in paths])

@@ -156,6 +156,8 @@ def _clean(log: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, int]]:
 
 def _turning(log: pd.DataFrame) -> list[str]:
     """A warning if the heading turns one way where the path turns the other: then it is likely clockwise."""
+    if len(log) < 3:
+        return []
     same = np.diff(log["run"].to_numpy()) == 0
     moved = np.diff(log["x"].to_numpy()) + 1j * np.diff(log["y"].to_numpy())
     bend = np.angle(moved[1:] * np.conj(moved[:-1]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -118,10 +119,12 @@ def _parse(lines: list[str], separator: str | None, width: int, name: str, first
     if not lines:
         return pd.DataFrame({i: pd.Series(dtype=str) for i in range(width)})
     try:
-        frame = pd.read_csv(
-            text, sep=r"\s+" if separator is None else separator, header=None, names=range(width), index_col=False,
-            skipinitialspace=True, na_values=_EMPTY, low_memory=False, on_bad_lines="error", engine="c",
-        )  # fmt: skip
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)  # rows that are too long are looked for below
+            frame = pd.read_csv(
+                text, sep=r"\s+" if separator is None else separator, header=None, names=range(width), index_col=False,
+                skipinitialspace=True, na_values=_EMPTY, low_memory=False, on_bad_lines="error", engine="c",
+            )  # fmt: skip
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
         found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
         if found is None:

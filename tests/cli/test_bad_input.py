@@ -4,7 +4,6 @@ import json
 import shutil
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from bayeshunt.cli import main
@@ -121,11 +120,6 @@ CASES = {
     "negative prior": (None, (*FIT, "--prior", "-1"), "prior"),
     "prior not a number": (None, (*FIT, "--prior", "nan"), "prior"),
     "no folder for the model": (None, ("fit", "data.parquet", "--out", "no/new.json"), "the folder no does not exist"),
-    "table without a robot": (
-        lambda f: pd.read_parquet(f / "data.parquet").to_parquet(f / "data.parquet"),
-        FIT,
-        "add --robot",
-    ),
     "edited model": (lambda f: edit_model(f, lambda m: m["content"].update(prior=0.5)), QUERY, "model.json: "),
     "newer model": (lambda f: edit_model(f, lambda m: m.update(format=99)), QUERY, "model.json: "),
     "truncated model": (cut("model.json", 0.5), QUERY, "model.json"),
