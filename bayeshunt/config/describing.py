@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.core.errors import ConfigError
 
 __all__ = ["describe", "keys_at"]
@@ -22,7 +23,15 @@ def describe(kind: str) -> list[dict[str, Any]]:
     kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
     if kind not in kinds:
         raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
-    return list(_describe(kinds[kind], ""))
+    keys = list(_describe(kinds[kind], ""))
+    for prefix, drive in _LEGS if kind == "robot" else ():
+        known = {key["key"] for key in keys}
+        keys += [key for key in _describe(drive, prefix) if key["key"] not in known]
+    return keys
+
+
+#: Settings that only bodies on legs have, and where they stand in a robot's file.
+_LEGS: tuple[tuple[str, type[BaseModel]], ...] = (("body.", LeggedSettings), ("gait[].", LegGait))
 
 
 def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:

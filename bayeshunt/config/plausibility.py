@@ -29,7 +29,7 @@ def _experiment(settings: ExperimentSettings) -> Iterator[str]:
     bin_width = settings.model.distance_bin
     yield from _robot(settings.robot, "robot.", bin_width)
     yield from _prey(settings.prey, settings.robot, bin_width)
-    body = settings.robot.body.diameter
+    body = settings.robot.body.body_length
     for name, arena in settings.arenas.items():
         for key in ("width", "height"):
             if getattr(arena, key) > _TIMES * body:
@@ -39,9 +39,9 @@ def _experiment(settings: ExperimentSettings) -> Iterator[str]:
 def _robot(robot: RobotSettings, prefix: str, bin_width: float = 0.1) -> Iterator[str]:
     body, speed = robot.body, robot.known_top_speed
     reach = 0.0 if speed is None else speed * robot.gait_duration
-    if 0 < reach < _LEAST_BODIES * body.diameter:
+    if 0 < reach < _LEAST_BODIES * body.body_length:
         yield _metres(f"{prefix}body.diameter", body.diameter, f"but no gait goes beyond {reach:.3g} m")
-    if reach > _MOST_BINS * bin_width * body.diameter:
+    if reach > _MOST_BINS * bin_width * body.body_length:
         yield (
             f"{prefix}gait: {speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; if "
             "speeds are in mm/s or gait_duration is in ms, divide by 1000; else make model.distance_bin wider"
@@ -52,7 +52,7 @@ def _robot(robot: RobotSettings, prefix: str, bin_width: float = 0.1) -> Iterato
 
 
 def _prey(prey: PreySettings, robot: RobotSettings, bin_width: float) -> Iterator[str]:
-    body = robot.body.diameter
+    body = robot.body.body_length
     if prey.speed * robot.gait_duration > _MOST_BINS * bin_width * body:
         yield (
             f"prey.speed: {prey.speed:g} m/s for {robot.gait_duration:g} s makes over 1,000 distance bins; "

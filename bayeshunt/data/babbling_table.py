@@ -2,7 +2,7 @@
 
 One row is one executed gait and where it took the robot, in the robot's own earlier frame:
 ``gait`` (name), ``distance`` [m], ``angle`` and ``heading`` [rad, clockwise]. Optional columns:
-``step`` (order of execution), ``previous_gait``, and ``path_NN_forward`` [m], ``path_NN_right`` [m],
+``step`` (order of execution), ``previous_gait``, ``energy`` [J], and ``path_NN_forward`` [m], ``path_NN_right`` [m],
 ``path_NN_heading`` [rad clockwise], the pose part-way through the gait at NN of N equal intervals.
 """
 

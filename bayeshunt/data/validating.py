@@ -38,7 +38,7 @@ def validate(
     _check_columns(frame.columns, part_way, source)
     if frame.empty:
         raise DataError(f"{source}: the table has no rows; babble at least one step")
-    numeric = [*COLUMNS[1:], *part_way]
+    numeric = [*COLUMNS[1:], *part_way, *(["energy"] if "energy" in frame else [])]
     for column in numeric:
         _check_numbers(frame[column], column, source, first_row)
     row = _first(frame["distance"].to_numpy(dtype=float) < 0)

@@ -164,7 +164,7 @@ class _Hunt:
 def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
     model = settings.model
     return EffectAxes.standard(
-        settings.robot.body.diameter,
+        settings.robot.body.body_length,
         distance_bin=model.distance_bin,
         angle_bins=model.angle_bins,
         heading_bins=model.heading_bins,

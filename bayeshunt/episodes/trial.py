@@ -26,7 +26,7 @@ class Trial:
         self, settings: ExperimentSettings, arena: str, theta: float, streams: dict[str, np.random.Generator]
     ) -> None:
         """Start a fresh world; ``streams``: a generator by role."""
-        body = settings.robot.body.diameter
+        body = settings.robot.body.body_length
         self.settings = settings
         self.task = Task(settings.protocol.catch_distance * body, settings.protocol.time_limit)
         self.reach = Reach(HUNTER, PREY, settings.protocol.catch_distance * body)

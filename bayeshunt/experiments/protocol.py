@@ -67,7 +67,7 @@ def learn_model(settings: ExperimentSettings, seed: int, progress: Any = None) -
     model, robot = settings.model, settings.robot
     frame = babble(robot, model.babbling_steps, seed, physics=settings.physics, progress=progress, world=settings.world)
     axes = EffectAxes.standard(
-        robot.body.diameter,
+        robot.body.body_length,
         distance_bin=model.distance_bin,
         angle_bins=model.angle_bins,
         heading_bins=model.heading_bins,

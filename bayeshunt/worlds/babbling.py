@@ -38,6 +38,8 @@ def babble(
 ) -> pd.DataFrame:
     """Return the babbling table of ``steps`` gaits, momentum carried from each to the next.
 
+    A body that measures what it spends adds a column ``energy`` [J].
+
     Every gait is executed equally often (the remainder by chance), in random order. The arena is
     open and empty; after every step the origin moves to the robot, so that coordinates stay small.
 
@@ -53,15 +55,17 @@ def babble(
     order = balanced_order(len(robot.gaits), steps, choice)
     alone = make_world(world, Scene(robot, None, ArenaSettings(), physics))
     alone.reset({HUNTER: Pose(0.0, 0.0, 0.0)}, {HUNTER: noise})
-    executed = np.empty((steps, PATH_INTERVALS, 3))
+    executed, energy = np.empty((steps, PATH_INTERVALS, 3)), np.empty(steps)
     counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
     for row, gait in enumerate(order.tolist()):
+        spent = alone.bodies[HUNTER].energy
         executed[row] = _execute(alone, gaits[gait], physics.step, counts)
+        energy[row] = alone.bodies[HUNTER].energy - spent
         if progress is not None:
             progress(1)
     record = provenance(robot, physics, steps, seed, alone.identity)
     alone.close()
-    return table_of(robot.gaits.names, order, executed, record)
+    return table_of(robot.gaits.names, order, executed, record, energy if energy.any() else None)
 
 
 def hold(world: World, gait: Gait, step: float, counts: list[int]) -> Iterator[Pose]:
@@ -84,8 +88,9 @@ def _execute(world: World, gait: Gait, step: float, counts: list[int]) -> list[P
 
 
 def table_of(
-    names: tuple[str, ...], order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any]
-) -> pd.DataFrame:
+    names: tuple[str, ...], order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any],
+    energy: np.ndarray | None = None,
+) -> pd.DataFrame:  # fmt: skip
     """Return a babbling table of executed poses [N, P, 3] (x ahead, y left, theta counter-clockwise), the last the end.
 
     names: of the gaits. order: index of the gait executed [N]. provenance: kept in the table's attributes.
@@ -106,6 +111,8 @@ def table_of(
     part_way[..., 2] = (part_way[..., 2] + np.pi) % (2 * np.pi) - np.pi
     columns = path_column_names(executed.shape[1] - 1)
     paths = pd.DataFrame(part_way.reshape(len(order), -1).astype(np.float32), columns=columns)
+    if energy is not None:
+        frame["energy"] = energy
     frame = pd.concat([frame, paths], axis=1)
     frame.attrs[PROVENANCE_KEY] = provenance
     return frame

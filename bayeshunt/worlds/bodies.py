@@ -61,9 +61,10 @@ def registered_bodies() -> Mapping[str, BodyEntry]:
 
 def body_factory(drive: str) -> Callable[..., Any]:
     """Return what makes a body of this kind in Box2D; InputError if the name is known nowhere."""
+    from bayeshunt.worlds.box2d.legs import Legs
     from bayeshunt.worlds.box2d.wheels import CarDrive, DifferentialDrive
 
-    shipped: dict[str, Callable[..., Any]] = {"differential": DifferentialDrive, "car": CarDrive}
+    shipped: dict[str, Callable[..., Any]] = {"differential": DifferentialDrive, "car": CarDrive, "legs": Legs}
     if drive in shipped:
         return shipped[drive]
     if drive not in _BODIES:

@@ -160,7 +160,7 @@ def _executed(robot: RobotSettings, world: str, seed: int, fault: _Fault) -> lis
     made.reset({HUNTER: _START[HUNTER]}, spawn_streams(seed))
     body = made.bodies[HUNTER]
     fault.unless(isinstance(body, Body), "is no bayeshunt.protocols.Body")
-    fault.unless(math.isclose(body.length, robot.body.diameter), f"has the length {body.length} m")
+    fault.unless(math.isclose(body.length, robot.body.body_length), f"has the length {body.length} m")
     ends = []
     for gait in robot.gaits:
         made.run({HUNTER: gait}, robot.gait_duration)

@@ -16,14 +16,20 @@ class DiscSettings(Settings):
     """What every body says of itself: a disc and the name of what moves it."""
 
     drive: str = Field("differential", description="how commands move the body")
-    diameter: Positive = Field(0.057, description="disc diameter = one body length [m]")
+    diameter: Positive = Field(0.057, description="diameter of the disc that collides [m]")
+
+    @property
+    def body_length(self) -> float:
+        """The unit of bins, of the catch and of drawings [m]: ``length`` if the body has one, or the diameter."""
+        length: float | None = getattr(self, "length", None)
+        return self.diameter if length is None else length
 
 
 class BodySettings(DiscSettings):
     """A disc-shaped body and its drive. Defaults are the Khepera's (Webots' model)."""
 
     drive: Literal["differential", "car"] = Field("differential", description="how commands move the body")
-    diameter: Positive = Field(0.057, description="disc diameter = one body length [m]")
+    diameter: Positive = Field(0.057, description="diameter of the disc that collides [m]")
     axle: Positive = Field(0.052, description="distance between the driven wheels [m] (differential)")
     wheelbase: Positive = Field(0.045, description="front to rear axle [m] (car)")
     max_steering: Annotated[float, Field(gt=0, lt=math.pi / 2)] = Field(
@@ -38,6 +44,7 @@ class DriveSettings(DiscSettings):
     """A body that was registered without settings of its own; derive from it to add some."""
 
     drive: str = Field(description="how commands move the body: a registered name")
+    length: Positive | None = Field(None, description="one body length [m]; by default the diameter")
     max_acceleration: Positive = Field(0.6, description="limit of each actuator's change [its unit per second]")
     max_traction: Positive = Field(3.0, description="largest change of body velocity the ground carries [m/s2]")
     top_speed: NonNegative | None = Field(None, description="fastest that any gait moves the body [m/s]")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bayeshunt.config.schema.bodies import BodySettings, DiscSettings, FreeGait, GaitSettings, NamedGait
+from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 
 __all__ = ["DriveKind", "drive_names", "find_drive", "know_drive"]
@@ -32,6 +33,8 @@ class DriveKind:
 
     def command(self, gait: NamedGait) -> tuple[float, ...]:
         """Return the command of a gait; ValueError if it lacks a key, or has another drive's."""
+        if isinstance(gait, LegGait):
+            return (gait.frequency, gait.duty, *gait.stroke, *gait.phase)
         held = {**gait.__dict__, **(gait.__pydantic_extra__ or {})}
         given = {key: value for key, value in held.items() if key != "name" and value is not None}
         wanted = self.commands or ("command",)
@@ -50,11 +53,20 @@ def _steering(body: BodySettings, command: Sequence[float]) -> str | None:
     return None
 
 
+def _a_phase_for_each(body: LeggedSettings, command: Sequence[float]) -> str | None:
+    legs, phases = len(body.legs.x), len(command) - _BEFORE_PHASES
+    return None if legs == phases else f"has {phases} phases for {legs} legs"
+
+
+#: Values of a command on legs before the phases: frequency, duty, left and right stroke.
+_BEFORE_PHASES = 4
+
 _DRIVES: dict[str, DriveKind] = {
     "differential": DriveKind(
         BodySettings, ("left", "right"), lambda command: abs(command[0] + command[1]) / 2, GaitSettings
     ),
     "car": DriveKind(BodySettings, ("speed", "steering"), lambda command: abs(command[0]), GaitSettings, _steering),
+    "legs": DriveKind(LeggedSettings, ("frequency", "duty", "stroke", "phase"), None, LegGait, _a_phase_for_each),
 }
 
 

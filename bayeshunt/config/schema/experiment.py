@@ -78,7 +78,7 @@ class ExperimentSettings(ShownSettings):
         Both face the same way (identical headings), as in section 4 of the paper.
         """
         hunter = self.protocol.hunter_pose
-        distance = self.protocol.prey_distance * self.robot.body.diameter
+        distance = self.protocol.prey_distance * self.robot.body.body_length
         return hunter, hunter.compose(Polar(distance, theta, 0.0))
 
     def check_arena(self, name: str, theta: float | None = None) -> None:

@@ -85,4 +85,4 @@ class RobotSettings(ShownSettings):
         """The gaits as the models' repertoire."""
         kind = find_drive(self.body.drive)
         gaits = tuple(Gait(gait.name, kind.command(gait)) for gait in self.gait)
-        return GaitRepertoire(gaits, self.body.diameter, self.gait_duration)
+        return GaitRepertoire(gaits, self.body.body_length, self.gait_duration)

@@ -51,7 +51,7 @@ def remember(
     check_whole(runs, "runs", 1)
     chosen = list(arenas) if arenas else list(settings.arenas)
     check_arenas(settings, chosen)
-    body, sizes = settings.robot.body.diameter, settings.model
+    body, sizes = settings.robot.body.body_length, settings.model
     axes = EffectAxes.standard(
         body, distance_bin=sizes.distance_bin, angle_bins=sizes.angle_bins, heading_bins=sizes.heading_bins
     )

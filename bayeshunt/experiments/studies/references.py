@@ -86,7 +86,7 @@ def _facts(settings: ExperimentSettings, seed: int, samples: int, angles: int, h
 
 def _grid(settings: ExperimentSettings, angles: int, headings: int) -> Grid:
     """Distances from the catch to 24 bodies, denser near the hunter."""
-    body, catch = settings.robot.body.diameter, settings.protocol.catch_distance
+    body, catch = settings.robot.body.body_length, settings.protocol.catch_distance
     near, far = np.arange(0.9 * catch, 7.0, 0.35), np.arange(7.0, 24.5, 1.0)
     return Grid(np.concatenate([near, far]) * body, angles, headings)
 
@@ -105,7 +105,7 @@ def _chase(settings: ExperimentSettings, seed: int, samples: int) -> Chase:
         hunter,
         _paths(ran.iloc[1:], samples),  # its first step starts from rest
         duration=robot.gait_duration,
-        reach=settings.protocol.catch_distance * robot.body.diameter,
+        reach=settings.protocol.catch_distance * robot.body.body_length,
         closing=max(float(speeds.max()) - prey.speed, 0.1 * float(speeds.max())),
     )
 

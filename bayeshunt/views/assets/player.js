@@ -324,7 +324,7 @@ class Player {
     if (this.parts["show-predicted"].checked) drawPredicted(pen, step, this.hunt.radius[1]);
     if (this.parts["show-plan"].checked) drawPlan(pen, step);
     drawRobot(pen, prey, this.hunt.radius[1], ink("prey"));
-    drawRobot(pen, hunter, this.hunt.radius[0], ink("hunter"));
+    drawRobot(pen, hunter, this.hunt.radius[0], ink("hunter"), this.hunt.legs);
     if (this.hunt.caught && this.time >= this.duration - 1e-9) drawCatch(pen, hunter, prey, this.hunt.outcome);
     drawScale(pen, this.hunt.walls ? 26 : 14);
   }
@@ -434,12 +434,21 @@ function drawPlan(pen, step) {
   for (const pose of poses.slice(1)) dot(pen, pose, 3.5);
 }
 
-/* A disc with two wheels and a nose that points where it faces. */
-function drawRobot({ g, at, ink, view }, pose, radius, colour) {
-  const r = Math.max(6, radius * view.scale);
+/* A disc with two wheels, or with legs, and a nose that points where it faces. */
+function drawRobot({ g, at, ink, view }, pose, radius, colour, legs = []) {
+  const whole = Math.max(6, radius * view.scale), scale = whole / radius;
+  const r = legs.length ? 0.6 * whole : whole;
   g.save();
   g.translate(...at(pose));
   g.rotate(-pose[2]);
+  g.lineWidth = Math.max(1.5, 0.12 * whole);
+  g.strokeStyle = colour;
+  for (const [x, y, footX, footY] of legs) {
+    g.beginPath();
+    g.moveTo(0.6 * x * scale, -0.6 * y * scale);
+    g.lineTo(footX * scale, -footY * scale);
+    g.stroke();
+  }
   g.beginPath();
   g.arc(0, 0, r, 0, 2 * Math.PI);
   g.fillStyle = colour;
@@ -448,7 +457,7 @@ function drawRobot({ g, at, ink, view }, pose, radius, colour) {
   g.strokeStyle = ink("paper");
   g.stroke();
   g.fillStyle = ink("ink");
-  for (const side of [-1, 1]) g.fillRect(-0.32 * r, side * 0.76 * r - 0.13 * r, 0.64 * r, 0.26 * r);
+  for (const side of legs.length ? [] : [-1, 1]) g.fillRect(-0.32 * r, side * 0.76 * r - 0.13 * r, 0.64 * r, 0.26 * r);
   g.beginPath();
   g.moveTo(0.85 * r, 0);
   g.lineTo(-0.35 * r, 0.5 * r);

@@ -55,7 +55,7 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
     if arena not in settings.arenas:
         raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     place, protocol = settings.arenas[arena], settings.protocol
-    hunter, prey = settings.robot.body.diameter * 1000, settings.prey.body.diameter * 1000
+    hunter, prey = settings.robot.body.body_length * 1000, settings.prey.body.diameter * 1000
     distance = protocol.prey_distance * hunter
     room = 500 * min(place.width, place.height) - distance if place.walled else np.inf
     side = 1 if room > 2.5 * prey else -1  # labels go between prey and hunter where the wall is near

@@ -13,6 +13,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.config.schema.legs import legs_at_rest
 from bayeshunt.core import units
 from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.episode import Episode
@@ -62,7 +63,7 @@ def _draw(panel: Axes, episode: Episode, reach: tuple[float, float, float, float
     if place.walled:
         corner, size = (-500 * place.width, -500 * place.height), (1000 * place.width, 1000 * place.height)
         panel.add_patch(Rectangle(corner, *size, fill=False, edgecolor=FAINT, linewidth=1.6))
-    diameters = {"prey": settings.prey.body.diameter, "hunter": settings.robot.body.diameter}
+    diameters = {"prey": settings.prey.body.diameter, "hunter": settings.robot.body.body_length}
     for who, colour in (("prey", PREY), ("hunter", HUNTER)):
         path = _path(episode, who)
         panel.plot(*path.T, color=colour, linewidth=1.3, solid_capstyle="round")
@@ -71,10 +72,21 @@ def _draw(panel: Axes, episode: Episode, reach: tuple[float, float, float, float
         panel.add_patch(
             Circle(path[-1], 500 * diameters[who], facecolor=colour, edgecolor="white", linewidth=0.6, zorder=4)
         )
+    _legs(panel, episode, settings)
     if episode.caught:
         middle = (_path(episode, "hunter")[-1] + _path(episode, "prey")[-1]) / 2
         panel.plot(*middle, "o", color=CATCH, markersize=15, fillstyle="none", markeredgewidth=1.6, zorder=5)
     _scale_bar(panel, x - width / 2, y - height / 2, width)
+
+
+def _legs(panel: Axes, episode: Episode, settings: ExperimentSettings) -> None:
+    """Draw the hunter's legs, if it has any, where its path ends."""
+    end = episode.trail.iloc[-1] if len(episode.trail) else episode.frame.iloc[0]
+    x, y, theta = (float(end[f"hunter_{name}"]) for name in ("x", "y", "theta"))
+    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+    for leg in legs_at_rest(settings.robot.body):
+        ends = 1000 * (np.reshape(leg, (2, 2)) @ turn.T + [x, y])
+        panel.plot(*ends.T, color=HUNTER, linewidth=1.6, solid_capstyle="round", zorder=3.5)
 
 
 def _scale_bar(panel: Axes, left: float, bottom: float, width: float) -> None:

@@ -17,6 +17,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.config.schema.legs import legs_at_rest
 from bayeshunt.core import units
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
@@ -83,7 +84,8 @@ def replay_data(
         "planner": planner, "arena": arena, "theta": theta, "seed": str(seed),
         "caught": episode.caught,
         "outcome": f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
-        "radius": [settings.robot.body.diameter / 2, settings.prey.body.diameter / 2],
+        "radius": [settings.robot.body.body_length / 2, settings.prey.body.diameter / 2],
+        "legs": [[round(v, 4) for v in leg] for leg in legs_at_rest(settings.robot.body)],
         "walls": [place.width, place.height] if place.walled else None,
         "trail": _trail(episode, every),
         "steps": steps,
@@ -233,4 +235,4 @@ def _bin_widths(settings: ExperimentSettings) -> tuple[float, float, float]:
     """Widths of the prey table's bins: distance [m], angle, heading [rad]."""
     model = settings.model
     turns = (2 * np.pi / bins for bins in (model.angle_bins, model.heading_bins))
-    return (model.distance_bin * settings.robot.body.diameter, *turns)  # type: ignore[return-value]
+    return (model.distance_bin * settings.robot.body.body_length, *turns)  # type: ignore[return-value]

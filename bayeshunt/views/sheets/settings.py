@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
-from bayeshunt.config.schema import BodySettings, ExperimentSettings, RobotSettings
+from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.drives import find_drive
+from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.units import degrees, length, speed
 from bayeshunt.planners.api import Shown
@@ -16,19 +18,29 @@ from bayeshunt.views.terminal.text_tables import clean
 
 def robot(shown: RobotSettings) -> Sheet:
     """Return a robot: its body, its noise, and a row per gait."""
-    body, noise = shown.body, shown.noise
-    if not isinstance(body, BodySettings):
-        return _registered(shown)
-    car = body.drive == "car"
+    noise = shown.noise
+    described, columns, rows = _BODIES.get(shown.body.drive, _registered)(shown)
+    pairs = [
+        *described,
+        ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
+        *([] if (top := shown.known_top_speed) is None else [("top speed", speed(top))]),
+        ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
+    ]
+    return Sheet(f"Robot {clean(shown.name)}", shown.description or "no description", pairs, [Table(columns, rows)])
+
+
+#: Facts, column names and a row per gait.
+_Body = tuple[list[tuple[str, str]], tuple[str, ...], Sequence[Sequence[str]]]
+
+
+def _wheels(shown: RobotSettings) -> _Body:
+    body, car = shown.body, shown.body.drive == "car"
     name, span = ("wheelbase", body.wheelbase) if car else ("axle", body.axle)
     steering = f"steering ±{degrees(body.max_steering)} at {degrees(body.max_steering_rate)}/s"
     limits = [f"acceleration {speed(body.max_acceleration)}²", f"traction {speed(body.max_traction)}²"]
     pairs = [
         ("body", f"disc of {length(body.diameter)}, {name} {length(span)}, {body.drive} drive"),
         ("limits", ", ".join([*limits, steering] if car else limits)),
-        ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
-        ("top speed", speed(shown.top_speed)),
-        ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
     ]
     columns = ("gait", "speed mm/s", "steering °") if car else ("gait", "left mm/s", "right mm/s")
     rows = []
@@ -36,26 +48,46 @@ def robot(shown: RobotSettings) -> Sheet:
         one, other = (gait.speed, gait.steering) if car else (gait.left, gait.right)
         second = math.degrees(other or 0.0) if car else 1000 * (other or 0.0)
         rows.append((gait.name, f"{1000 * (one or 0.0):.1f}", f"{second:.1f}"))
-    return Sheet(f"Robot {clean(shown.name)}", shown.description or "no description", pairs, [Table(columns, rows)])
+    return pairs, columns, rows
 
 
-def _registered(shown: RobotSettings) -> Sheet:
+def _on_legs(shown: RobotSettings) -> _Body:
+    body = shown.body
+    assert isinstance(body, LeggedSettings)
+    legs = body.legs
+    torque, rate = f"{legs.max_torque:g} N m", f"{degrees(legs.max_rate)}/s"
+    pairs = [
+        ("body", f"{length(body.body_length)} long, {1000 * (body.mass + len(legs.x) * legs.mass):g} g"),
+        ("legs", f"{len(legs.x)} of {length(legs.length)}, {legs.joint} hips, servos of {torque} and {rate}"),
+        ("ground", f"friction {legs.friction:g} ±{100 * legs.friction_spread:g} %, belly {legs.belly_friction:g}"),
+    ]
+    rows = []
+    for gait in shown.gait:
+        assert isinstance(gait, LegGait)
+        strokes = (f"{math.degrees(stroke):.1f}" for stroke in gait.stroke)
+        phases = " ".join(f"{100 * phase:.0f}" for phase in gait.phase)
+        rows.append((gait.name, f"{gait.frequency:g}", f"{100 * gait.duty:.0f}", *strokes, phases))
+    return pairs, ("gait", "steps Hz", "foot down %", "left °", "right °", "phases %"), rows
+
+
+def _registered(shown: RobotSettings) -> _Body:
     """A robot whose kind of body was registered: what its own settings say, and its commands as they are."""
-    body, noise = shown.body, shown.noise
+    body = shown.body
     own = {name: value for name, value in body.model_dump().items() if name not in ("drive", "diameter")}
     pairs = [
         ("body", f"disc of {length(body.diameter)}, {body.drive} drive"),
         ("its settings", ", ".join(f"{clean(name)} {value}" for name, value in own.items() if value is not None)),
-        ("noise", f"slip ±{100 * noise.slip:g} %, drift {100 * noise.drift_sd:g} % over {noise.drift_time:g} s"),
-        ("time-step", f"{shown.gait_duration:g} s, held by every gait"),
     ]
     keys = find_drive(body.drive).commands
-    columns = ("gait", *map(clean, keys)) if keys else ("gait", "command")
     rows = []
     for gait in shown.gaits:
         values = [f"{value:g}" for value in gait.command]
         rows.append((gait.name, *(values if keys else [", ".join(values)])))
-    return Sheet(f"Robot {clean(shown.name)}", shown.description or "no description", pairs, [Table(columns, rows)])
+    return pairs, ("gait", *map(clean, keys)) if keys else ("gait", "command"), rows
+
+
+#: How the bodies that ship are described.
+_BODIES: dict[str, Callable[[RobotSettings], _Body]] = {"differential": _wheels, "car": _wheels, "legs": _on_legs}
 
 
 def gaits(shown: GaitRepertoire) -> Sheet:

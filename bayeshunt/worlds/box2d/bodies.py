@@ -67,7 +67,7 @@ class Drive:
         self.body = parts.world.CreateDynamicBody(
             fixtures=fixture, allowSleep=False, linearDamping=0.0, angularDamping=0.0, bullet=False
         )
-        self.settings, self.length = settings, settings.diameter
+        self.settings, self.length = settings, settings.body_length
         self.energy, self.falls, self.placed = 0.0, 0, False
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body

@@ -45,7 +45,7 @@ class Box2DWorld:
         self.map: Map = map_of(scene.arena)
         self.control_interval = scene.physics.control_interval
         self.identity: Mapping[str, str] = {"engine": "box2d", "version": version()}
-        self.unit = scene.robot.body.diameter
+        self.unit = scene.robot.body.body_length
         self.bodies: dict[str, Drive] = {}
         self._drives: tuple[Drive, ...] = ()
         self._steps = self._phase = 0  # physics steps taken in all, and in the present control interval
@@ -83,6 +83,7 @@ class Box2DWorld:
         if not remaining:
             return Run(trail)
         begun, stopped, control = self._steps, False, self.physics.control_steps
+        spent = {name: body.energy for name, body in self.bodies.items()}
         while remaining > 0 and not stopped:
             if not self._phase:
                 places = self._look()
@@ -95,7 +96,8 @@ class Box2DWorld:
             self._steps += taken
             remaining -= taken
         trail.note(self._steps, self._look())
-        return Run(trail, until.whom if until is not None and stopped else None, dict.fromkeys(self.bodies, 0.0))
+        energy = {name: body.energy - spent[name] for name, body in self.bodies.items()}
+        return Run(trail, until.whom if until is not None and stopped else None, energy)
 
     def fork(self, *only: str) -> Box2DWorld:
         """Return a noise-free twin; its prey's behaviour starts anew and sees no hunter that is left out."""
