@@ -127,10 +127,12 @@ class Legs(Drive):
         legs, revolute = self.settings.legs, self._frame.revolute
         strokes = values[2:4] if revolute else [self._frame.reach * sin(stroke) for stroke in values[2:4]]
         self._swing = [strokes[0] if y > 0 else strokes[1] for y in legs.y]
+        # a foot that is down sweeps by the new stroke at once; only the phase carries over
+        self._stroke = [stroke * factor for stroke, factor in zip(self._swing, self.factors, strict=True)]
         if first:  # from rest it starts in step
             self._phase = [-lag % 1.0 for lag in self._lag]
             self._down = [phase < self._duty for phase in self._phase]
-            self._stroke, self._last = list(self._swing), list(self._swing)
+            self._last = list(self._swing)
 
     def next_interval(self) -> None:
         """Draw the noise of the next control interval: a step that begins in it is longer or shorter by it."""
