@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.inverse import InverseModel
     from bayeshunt.models.formats.interchange import read_network as import_network
+    from bayeshunt.models.inference.network import Network
     from bayeshunt.models.tables.structures import Structure
     from bayeshunt.models.target.conformance import check_prey_model
     from bayeshunt.models.target.prey import PreyModel
@@ -128,6 +129,7 @@ _HOMES = {
     "ForwardModel": ("bayeshunt.models.body.forward", "ForwardModel"),
     "import_network": ("bayeshunt.models.formats.interchange", "read_network"),
     "InverseModel": ("bayeshunt.models.body.inverse", "InverseModel"),
+    "Network": ("bayeshunt.models.inference.network", "Network"),
     "Structure": ("bayeshunt.models.tables.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.target.prey", "PreyModel"),
     **{name: ("bayeshunt.planners.api", name) for name in ("Plan", "Situation")},

@@ -193,6 +193,7 @@ def query(
             "support": answer.support, "snapped": bool(answer.snapped),
             "cell": answer.cell._asdict(), "asked": answer.target._asdict(), "farthest": answer.farthest,
             "beyond": answer.beyond, "gap": answer.gap, "heading_gap": answer.heading_gap,
+            "interval": _interval(answer),
         }  # fmt: skip
         if explain:
             facts["explanation"] = _plain(answer.explain())
@@ -203,6 +204,14 @@ def query(
     terminal.posterior_bars(answer)
     if explain:
         terminal.explanation_table(answer)
+
+
+def _interval(answer: Any) -> dict[str, Any] | None:
+    """Low, median and high by gait at the level said; None where nobody knows the counts."""
+    if not answer.model.has_counts:
+        return None
+    found = answer.interval()
+    return {**found.attrs, **{end: {str(k): float(v) for k, v in found[end].items()} for end in found}}
 
 
 def _plain(frame: Any) -> dict[str, dict[str, Any]]:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: Why nothing is known of the rows behind an imported network.
 NO_COUNTS = "an imported network carries no counts"
+#: Where the low end of P(best gait) is below, the answer is not sure; from here on it is sure.
+_UNSURE, _SURE = 0.5, 0.95
 _NO_CHANCE = "the target itself has probability 0"
 #: What the tables of a model that depends on the gait before are, unless it is asked for those after a gait.
 SUMMED_OVER = "The gait before is summed over; model.after(gait) has the tables after one gait, with their counts."
@@ -32,6 +34,25 @@ def support(answer: Posterior) -> str:
     if answer.model.backoff is not None and answer.model.known:
         return f"{words} after that gait, the rest from each gait's own table"
     return words if answer.model.has_counts else f"{words}: {NO_COUNTS}"
+
+
+def interval(answer: Posterior) -> pd.DataFrame | None:
+    """Return the answer's 95 % interval; None where nobody knows the counts."""
+    return answer.interval() if answer.model.has_counts else None
+
+
+def within(found: pd.DataFrame) -> dict[str, tuple[float, float]]:
+    """Return low and high by gait."""
+    lows, highs = found["low"].tolist(), found["high"].tolist()
+    return dict(zip(found.index, zip(lows, highs, strict=True), strict=True))
+
+
+def how_sure(answer: Posterior, found: pd.DataFrame) -> str:
+    """Return in words whether the answer is sure, and what the interval supposes: "one row: not sure; ..."."""
+    few = "one row" if answer.support == 1 else f"{answer.support} rows"
+    low, _ = within(found)[answer.best]
+    sure = f"{few}: not sure" if answer.support == 1 or low < _UNSURE else f"{few}: likely" if low < _SURE else few
+    return f"{sure}; 95 % interval, {found.attrs['pseudo']}"
 
 
 def snapped(answer: Posterior) -> str:

@@ -105,6 +105,8 @@ _RULES = """
 .bh .bh-bar{display:block;height:12px;border-radius:2px;background:var(--bh-bar);min-width:1px}
 .bh tr.bh-lit .bh-bar{background:var(--bh-chosen)}
 .bh .bh-track{width:220px}
+.bh .bh-scale{position:relative;min-height:12px}
+.bh .bh-whisker{position:absolute;top:5px;height:2px;min-width:2px;background:currentColor}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.models.body.leaving_out import cells_of_row, remaining
 from bayeshunt.models.body.rows import CountedRows
 from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.counting.joint import JointCounts
@@ -181,9 +183,41 @@ class OpenTables:
         Raises DataError if the model holds no rows (see :meth:`with_data`), InputError for an unknown name.
         """
         self._check_variable(variable)
+        self._check_rows()
+        return self._counted_rows.find(variable, bin, gait)
+
+    def uses(self, row: Any) -> pd.DataFrame:
+        """Return the table cells that count a row: variable, state, given (the parents' states), count, probability.
+
+        row: its index label, the row itself (a Series), or a table of one row.
+        Raises DataError if the model holds no rows (see :meth:`with_data`), InputError for a row that it never counted.
+        """
+        self._check_rows()
+        return cells_of_row(self.source, self._counted_rows, row)
+
+    def without(self, rows: Any) -> Self:
+        """Return the model fitted to all rows but these, with the same edges, prior and bins (as far as rows reach).
+
+        rows: a table of some of the rows (those of :meth:`rows`), or index labels.
+        Raises DataError if the model holds no rows (see :meth:`with_data`) or if a gait loses its last; InputError for
+        rows that it never counted, and for the part of a model.
+        """
+        self._check_rows()
+        if self.known:
+            raise InputError("this is the part of a model; leave rows out of the whole model")
+        reach = self.joint.cells[:, 1].max(initial=0) + 1
+        grown = self.axes.distance.bins == reach  # else the bins were given so many
+        axes = replace(self.axes, distance=replace(self.axes.distance, bins=1)) if grown else self.axes
+        whole: Any = type(self)
+        fitted: Self = whole.fit(
+            remaining(self._counted_rows, rows), self.gaits, self.prior,
+            axes=axes, gait_prior=self.gait_prior, structure=self.structure, backoff=self.backoff,
+        )  # fmt: skip
+        return fitted
+
+    def _check_rows(self) -> None:
         if not self.has_counts:
             raise DataError("an imported network has no counts, so it has no rows behind them")
-        return self._counted_rows.find(variable, bin, gait)
 
     def table(self, variable: str, level: float = 0.95) -> ProbabilityTable:
         """Return a CPT with its counts and credible intervals, a table that shows itself in a notebook.

@@ -118,10 +118,12 @@ def posterior(answer: Posterior) -> Sheet:
         ("P(evidence)", f"{answer.evidence_probability:.6g}"),
         ("support", grounds.support(answer)),
     ]
+    found = grounds.interval(answer)
+    pairs += [("how sure", grounds.how_sure(answer, found))] if found is not None else []
     shares = dict(zip(answer.source.gaits, answer.values.tolist(), strict=True))
     parts = [
         Note(grounds.beyond(answer)) if answer.beyond else None,
-        Bars(shares, answer.best),
+        Bars(shares, answer.best, None if found is None else grounds.within(found)),
         Drawn(lambda: _explanation(answer), Note(_EXPLAINED), title="What each variable said")
         if len(shares) > 1
         else None,

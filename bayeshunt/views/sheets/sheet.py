@@ -6,6 +6,7 @@ forms show, or something that only one of them can: a drawing, a fold.
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
@@ -62,27 +63,52 @@ class Table(NamedTuple):
 
 
 class Bars(NamedTuple):
-    """Probabilities by name, one of which may stand out."""
+    """Probabilities by name, one of which may stand out.
+
+    within: the interval of each, low and high; None where nobody knows.
+    """
 
     shares: dict[str, float]
     lit: str | None = None
+    within: dict[str, tuple[float, float]] | None = None
 
     def lines(self) -> list[str]:
         """Return a line per name: name, bar, probability."""
         names = {name: clean(name) for name in self.shares}
         width = max(map(len, names.values()))
-        return [f"{names[n]:<{width}}  {'█' * round(p * _BAR):<{_BAR}}  {p:.4f}" for n, p in self.shares.items()]
+        return [
+            f"{names[n]:<{width}}  {'█' * round(p * _BAR):<{_BAR}}  {self._said(n)}" for n, p in self.shares.items()
+        ]
+
+    def _said(self, name: str) -> str:
+        """The probability and, where it is known, between what it may lie: "1.0000 (0.24 to 1)"."""
+        return f"{self.shares[name]:.4f}" + (f" ({bounds(*self.within[name])})" if self.within else "")
 
     def html(self) -> Html:
         """Return a bar chart."""
         top = max([*self.shares.values(), 1e-300])
+        end = max([top, *(high for _, high in (self.within or {}).values())])
         rows = []
         for name, share in self.shares.items():
             said = f"{share:.4f}"
             # the shortest bar is still a stub, which would contradict a printed zero
             bar = tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%") if float(said) else ""
-            rows.append(row(name, [tag("td", bar, class_="bh-track"), said], lit=name == self.lit))
-        return table(["Gait", "", "probability"], rows)
+            inner = tag("div", bar, self._whisker(name, top), class_="bh-scale", style=f"width:{100 * top / end:.1f}%")
+            rows.append(row(name, [tag("td", inner, class_="bh-track"), self._said(name)], lit=name == self.lit))
+        return table(["Gait", "", "probability" if self.within is None else "probability (95 % interval)"], rows)
+
+    def _whisker(self, name: str, top: float) -> Any:
+        """A line over the bar from the low to the high end of its interval."""
+        if self.within is None:
+            return ""
+        low, high = self.within[name]
+        place = f"left:{100 * low / top:.1f}%;width:{100 * (high - low) / top:.1f}%"
+        return tag("span", class_="bh-whisker", style=place)
+
+
+def bounds(low: float, high: float) -> str:
+    """Return an interval to two decimals, rounded outwards so that what lies inside does so in print: "0.24 to 1"."""
+    return f"{math.floor(100 * low + 1e-9) / 100:g} to {math.ceil(100 * high - 1e-9) / 100:g}"
 
 
 class Note(NamedTuple):

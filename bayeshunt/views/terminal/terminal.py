@@ -21,6 +21,7 @@ from rich.text import Text
 
 from bayeshunt.core.units import degrees, length, objective
 from bayeshunt.views import reported
+from bayeshunt.views.sheets.sheet import bounds
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
@@ -208,9 +209,12 @@ def posterior_bars(answer: Any) -> None:
 
     out.print(Text(f"P(Gait | {', '.join(answer.evidence)})", style="bold"))
     table = TextTable(word("gait"), word("bar"), "probability", ruled=False, head=False)
+    found = grounds.interval(answer)
+    within = {} if found is None else grounds.within(found)
     for gait, probability in answer.probabilities.items():
         style = "bold" if gait == answer.best else None
-        table.row(gait, f"{_bar(float(probability)):<{_BAR}}", f"{probability:.4f}", style=style)
+        said = f"{probability:.3f}" + (f" ({bounds(*within[str(gait)])})" if within else "")
+        table.row(gait, f"{_bar(float(probability)):<{_BAR}}", said, style=style)
     table.print(out)
     for variable, state in answer.model.known.items():
         out.print(Text(f"{variable:<21}{state}"))
@@ -220,6 +224,8 @@ def posterior_bars(answer: Any) -> None:
         out.print(f"                     ({grounds.snapped(answer)})")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
     out.print(f"support              {grounds.support(answer)}")
+    if found is not None:
+        out.print(f"how sure             {grounds.how_sure(answer, found)}", soft_wrap=True)
     if answer.beyond:
         out.print(grounds.beyond(answer), style="italic")
 
