@@ -29,6 +29,7 @@ from bayeshunt.cli.options import (
 )
 from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
+from bayeshunt.core.errors import InputError
 
 
 @app.command(short_help="Run the paper's experiment: its table beside ours.")
@@ -39,6 +40,10 @@ def evaluate(
     overrides: Overrides = None,
     planner: Planners = None,
     arena: Arenas = None,
+    structure: Annotated[
+        str | None,
+        typer.Option(help="Of the model that is learned: naive (the paper), tan, joint, previous_gait or learned."),
+    ] = None,
     runs: Runs = None,
     seed: Seed = 0,
     jobs: Jobs = -1,
@@ -64,6 +69,10 @@ def evaluate(
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 
+    if structure is not None:
+        if model is not None:
+            raise InputError("--structure: the model given with --model has its own; choose one")
+        overrides = [*(overrides or ()), f"model.structure={structure}"]
     settings = runner.experiment_settings(read_experiment(preset, config, overrides, model), runs)
     planners = check_names(settings, planner, arena)
     runner.check_jobs(jobs)

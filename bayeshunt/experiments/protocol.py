@@ -11,6 +11,7 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.worlds.babbling import babble
 
 
@@ -72,4 +73,7 @@ def learn_model(settings: ExperimentSettings, seed: int, progress: Any = None) -
         angle_bins=model.angle_bins,
         heading_bins=model.heading_bins,
     )
-    return ForwardModel.fit(frame, robot.gaits, prior=model.prior, axes=axes)
+    backoff = model.backoff if depends_on_previous(model.structure) else None
+    return ForwardModel.fit(
+        frame, robot.gaits, prior=model.prior, axes=axes, structure=model.structure, backoff=backoff
+    )

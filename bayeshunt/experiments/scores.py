@@ -14,7 +14,6 @@ from bayeshunt.config.schema.published import Published
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError
-from bayeshunt.models.tables.structures import NAIVE
 
 #: 97.5 % quantile of the standard normal distribution.
 _Z95 = 1.959963984540054
@@ -80,12 +79,13 @@ def as_evaluated(results: pd.DataFrame, settings: ExperimentSettings) -> Experim
     """Return the settings without their published figures, and with a note that says so, where these say nothing.
 
     That is where a given model of another structure hunted, as ``results.attrs["structure"]`` tells, and not
-    one of the structure that the settings learn (naive).
+    one of the structure that the settings learn.
     """
-    structure = results.attrs.get("structure") or NAIVE.name  # earlier files do not say theirs
-    if structure == NAIVE.name:
+    own = settings.model.structure
+    structure = results.attrs.get("structure") or own  # earlier files do not say theirs
+    if structure == own:
         return settings
-    note = f"Hunted with a given model of structure {structure}; {settings.name!r} itself learns {NAIVE.name}."
+    note = f"Hunted with a given model of structure {structure}; {settings.name!r} itself learns {own}."
     if settings.published:
         note += " Its settings were fitted to published totals with that; these figures have no published counterpart."
     elif settings.note:

@@ -7,8 +7,15 @@ from bayeshunt.config.loading import preset_names
 
 
 def test_what_ships():
-    assert preset_names() == ["oses2010", "paper"]
-    assert {bh.load_experiment(name).robot.name for name in preset_names()} == {"khepera", "khepera_oses2010"}
+    assert preset_names() == ["legs", "oses2010", "paper"]
+    robots = {bh.load_experiment(name).robot.name for name in preset_names()}
+    assert robots == {"khepera", "khepera_oses2010", "hexapod_mixed"}
+
+
+def test_the_prey_of_legs_is_a_sixth_slower_than_its_hunter_and_as_large():
+    settings = bh.load_experiment("legs")
+    assert settings.robot.top_speed / settings.prey.speed == pytest.approx(1.2, abs=1e-3)
+    assert settings.robot.body.body_length == settings.prey.body.diameter
 
 
 @pytest.mark.parametrize("name", ["oses2010", "paper"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -15,6 +15,12 @@ class ModelSettings(Settings):
     """Bins and prior of the models."""
 
     prior: NonNegative = Field(0.0, description="Dirichlet pseudo-count per cell; 0 is maximum likelihood")
+    structure: Literal["naive", "tan", "joint", "previous_gait", "learned"] = Field(
+        "naive", description="what depends on what: naive is the paper's"
+    )
+    backoff: Positive = Field(
+        5.0, description="of structure previous_gait: rows that a gait's own table is worth after each gait"
+    )
     distance_bin: Positive = Field(0.1, description="distance bin width [body lengths]")
     angle_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
     heading_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
