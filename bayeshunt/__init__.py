@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from bayeshunt.models.assessment.prey_scores import score_prey
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.inverse import InverseModel
+    from bayeshunt.models.comparison.compare import compare
+    from bayeshunt.models.comparison.learning import Learning
     from bayeshunt.models.formats.interchange import read_network as import_network
     from bayeshunt.models.inference.network import Network
     from bayeshunt.models.tables.structures import Structure
@@ -129,6 +131,8 @@ _HOMES = {
     "ForwardModel": ("bayeshunt.models.body.forward", "ForwardModel"),
     "import_network": ("bayeshunt.models.formats.interchange", "read_network"),
     "InverseModel": ("bayeshunt.models.body.inverse", "InverseModel"),
+    "compare": ("bayeshunt.models.comparison.compare", "compare"),
+    "Learning": ("bayeshunt.models.comparison.learning", "Learning"),
     "Network": ("bayeshunt.models.inference.network", "Network"),
     "Structure": ("bayeshunt.models.tables.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.target.prey", "PreyModel"),

@@ -12,10 +12,11 @@ from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
+from bayeshunt.models.comparison.compare import Comparison
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan, Shown
-from bayeshunt.views.sheets import assessment, models, plans, settings, tables
+from bayeshunt.views.sheets import assessment, comparison, models, plans, settings, tables
 from bayeshunt.views.sheets.sheet import Sheet
 
 __all__ = ["sheet", "to_html", "to_text"]
@@ -45,6 +46,7 @@ for _kind, _sheet in (
     (PreyModel, tables.prey_model),
     (Plan, plans.plan),
     (Episode, plans.episode),
+    (Comparison, comparison.comparison),
     (Assessment, assessment.assessment),
     (RobotSettings, settings.robot),
     (GaitRepertoire, settings.gaits),

@@ -1,0 +1,123 @@
+"""Watching a model learn: what it knew after each row, how well that foretells others, and what to babble next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import Gait, GaitRepertoire
+from bayeshunt.data import babbling_table
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.backoff import PRIOR
+from bayeshunt.models.counting.measures import measured
+
+__all__ = ["Learning"]
+
+
+class Learning:
+    """A babbling table read row by row.
+
+    frame, gaits, prior, axes, gait_prior: as in ``ForwardModel.fit``; the structure is the paper's.
+    Raises what ``ForwardModel.fit`` raises for a wrong table, prior or repertoire.
+    """
+
+    def __init__(
+        self,
+        frame: pd.DataFrame,
+        gaits: Iterable[Gait | str] | GaitRepertoire,
+        prior: float | None = None,
+        *,
+        axes: EffectAxes | None = None,
+        gait_prior: str = "uniform",
+    ) -> None:
+        record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
+        self.gaits, self._axes = measured(gaits, axes, record)
+        babbling_table.validate(frame, self.gaits.names)
+        self.frame, self.prior, self.gait_prior = frame, prior, gait_prior
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    def model(self, n: int) -> ForwardModel:
+        """Return the model after the first ``n`` rows: that of ``ForwardModel.fit(frame[:n], ...)``, bit for bit.
+
+        Raises InputError for n out of range; with prior 0 DataError as long as a gait has no rows.
+        """
+        return ForwardModel.fit(self._first(n), self.gaits, self.prior, axes=self._axes, gait_prior=self.gait_prior)
+
+    def coverage(self, at: Sequence[int] | None = None) -> pd.DataFrame:
+        """Return what was reached after n rows: n, gaits (babbled so far), coordinates (learned), rows_each (mean).
+
+        at: numbers of rows; None: about 20, evenly spread.
+        """
+        rows = []
+        for n in self._steps(at, len(self)):
+            model = self._smoothed(self._first(n), None)
+            cells = len(model.learned_cells)
+            rows.append((n, int((model.joint.marginal("Gait") > 0).sum()), cells, n / cells))
+        return pd.DataFrame(rows, columns=["n", "gaits", "coordinates", "rows_each"])
+
+    def log_loss(self, at: Sequence[int] | None = None, *, every: int = 5) -> pd.DataFrame:
+        """Return how well the first rows foretell rows held out: n, log_loss [nat per row], less is better.
+
+        Every so many-th row is held out, never learned from. at: numbers of rows to learn from; None: about 20.
+        Where the prior is 0, 0.03 a cell stands in: else a bin not seen yet would cost infinitely much.
+        """
+        check_whole(every, "every", 2)
+        held = np.arange(len(self)) % every == every - 1
+        if not held.any():
+            raise InputError(f"{len(self)} rows are too few to hold every {every}th out")
+        rest, out = self.frame[~held], self.frame[held]
+        reach = ForwardModel.empty(self.gaits, 1.0, axes=self._axes).update(self.frame).axes
+        rows = []
+        for n in self._steps(at, len(rest)):
+            model = self._smoothed(rest.iloc[:n], reach)
+            rows.append((n, -model.log_likelihood(out) / len(out)))
+        return pd.DataFrame(rows, columns=["n", "log_loss"])
+
+    def babble_next(self, n: int | None = None) -> pd.Series:
+        """Return the bits that one more row of each gait is expected to tell of its tables; most first.
+
+        n: after so many rows; None: all. Of a column Dirichlet(w), W = sum w, the expected information is
+        ``H(w / W) - E H(theta)``, with ``E H(theta) = psi(W + 1) - sum_k w_k / W psi(w_k + 1)``; the effects add up.
+        The pseudo-count is the model's prior, at prior 0 it is 1/K a cell.
+        """
+        from scipy.special import psi, xlogy
+
+        model = self._smoothed(self.frame if n is None else self._first(n), None)
+        bits = np.zeros(len(self.gaits))
+        for effect in EFFECTS:
+            counts = model.joint.marginal(effect)
+            weights = counts + (self.prior or 1.0 / len(counts))
+            total = weights.sum(axis=0)
+            shares = weights / total
+            bits += -xlogy(shares, shares).sum(axis=0) - psi(total + 1) + (shares * psi(weights + 1)).sum(axis=0)
+        found = pd.Series(bits / math.log(2), index=pd.Index(self.gaits.names, name="Gait"), name="bits")
+        return found.sort_values(ascending=False, kind="stable")
+
+    def __repr__(self) -> str:
+        return f"<Learning: {len(self)} rows of {len(self.gaits)} gaits>"
+
+    def _first(self, n: Any) -> pd.DataFrame:
+        check_whole(n, "n", 1)
+        if n > len(self):
+            raise InputError(f"n is {n}, but there are {len(self)} rows")
+        return self.frame.iloc[: int(n)]
+
+    def _smoothed(self, rows: pd.DataFrame, axes: EffectAxes | None) -> ForwardModel:
+        return ForwardModel.empty(self.gaits, self.prior or PRIOR, axes=axes or self._axes).update(rows)
+
+    def _steps(self, at: Sequence[int] | None, most: int) -> list[int]:
+        steps = sorted({*np.linspace(1, most, 20).astype(int).tolist()}) if at is None else list(at)
+        for n in steps:
+            check_whole(n, "at", 1)
+            if n > most:
+                raise InputError(f"at: {n} rows, but there are {most}")
+        return steps
