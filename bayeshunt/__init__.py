@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from bayeshunt.episodes.episode import Episode
     from bayeshunt.episodes.hunter import Hunter
     from bayeshunt.episodes.loop import hunt
+    from bayeshunt.episodes.pursuit import Pursuit
     from bayeshunt.experiments.preparation import learn_room
     from bayeshunt.experiments.run.runner import evaluate
     from bayeshunt.experiments.scores import summarise, wilson_interval
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
     from bayeshunt.planners.catalogue import describe_planner
     from bayeshunt.planners.conformance import check_planner
     from bayeshunt.planners.info import PlannerInfo
+    from bayeshunt.planners.policy import planner_policy, policy_planner
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.views.notebook.explorer import Explorer
     from bayeshunt.views.pages.replay import write_replay
@@ -156,6 +158,8 @@ _HOMES = {
     "check_prey_model": ("bayeshunt.models.target.conformance", "check_prey_model"),
     "Hunter": ("bayeshunt.episodes.hunter", "Hunter"),
     "hunt": ("bayeshunt.episodes.loop", "hunt"),
+    "Pursuit": ("bayeshunt.episodes.pursuit", "Pursuit"),
+    **{name: ("bayeshunt.planners.policy", name) for name in ("planner_policy", "policy_planner")},
     "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),
     "write_replay": ("bayeshunt.views.pages.replay", "write_replay"),
     "write_report": ("bayeshunt.views.pages.report", "write_report"),

@@ -36,6 +36,7 @@ HOMES = {
     "typer": ("cli",),
     "gymnasium": ("envs",),
     "pettingzoo": ("envs",),
+    "pygame": ("envs",),
 }
 #: The doors of the package: they name the public things of every layer.
 DOORS = ("bayeshunt", "bayeshunt.__main__", "bayeshunt.protocols")

@@ -125,6 +125,21 @@ class GaitRepertoire(Sequence[Gait]):
         except (KeyError, TypeError, InputError):
             raise InputError(f"unknown gait {key!r}: expected one of {', '.join(self.names)}") from None
 
+    def number(self, gait: Any) -> int:
+        """Return the position of a gait given by name, as a Gait, or by its position, 0 to G - 1.
+
+        Raises InputError naming the gaits for anything else: a negative number, a bool, a fraction.
+        """
+        if isinstance(gait, (str, Gait)):
+            return self.index(gait)
+        place = gait.item() if isinstance(gait, (np.ndarray, np.generic)) and np.size(gait) == 1 else gait
+        if isinstance(place, int) and not isinstance(place, bool) and 0 <= place < len(self):
+            return place
+        raise InputError(
+            f"gait: expected a name or a whole number from 0 to {len(self) - 1} ({', '.join(self.names)}), "
+            f"got {shown(place)}"
+        )
+
     def need(self, measure: str) -> float:
         """Return ``body_length`` [m] or ``duration`` [s]; InputError in one line if it is not known."""
         value: float | None = getattr(self, measure)

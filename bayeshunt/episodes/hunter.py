@@ -1,7 +1,7 @@
 """The hunter's mind, one decision at a time: for the hunts of this package and for a loop of one's own.
 
-It holds what a hunter knows between two decisions: the belief, the prey model, the gait before, the time. The world is
-outside: whoever owns it says where the hunter is and what it sees, and executes the gait of the plan.
+A planner and what a hunter knows between two decisions. The world is outside: whoever owns it says where the hunter is
+and what it sees, and executes the gait of the plan.
 """
 
 from __future__ import annotations
@@ -14,18 +14,19 @@ import numpy as np
 
 from bayeshunt.config.schema.sensing import SensingSettings
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.checks import check_number, check_whole
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
-from bayeshunt.core.geometry import Polar, Pose, in_frame
-from bayeshunt.core.messages import Detection, Frame, Observation
-from bayeshunt.core.protocols import Belief, TargetModel, Tracker
+from bayeshunt.core.geometry import Pose
+from bayeshunt.core.messages import Observation
+from bayeshunt.core.protocols import TargetModel, Tracker
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.core.task import Task
+from bayeshunt.episodes.perceiver import Perceiver
 from bayeshunt.models.target.registry import COUNTS, is_prey_model, make_prey_model
 from bayeshunt.perception.registry import make_tracker
 from bayeshunt.perception.setting import PerceptionContext
-from bayeshunt.planners.api import Future, Plan, Planner, Situation
+from bayeshunt.planners.api import Future, Plan, Planner
 from bayeshunt.planners.asking import ask, check_can_plan, check_robot
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ __all__ = ["Hunter"]
 _MAKE = 'bayeshunt.make_planner("intercept", model)'
 
 
-class Hunter:
+class Hunter(Perceiver):
     """Chooses gaits in a loop of one's own: ``plan = hunter.step(own_pose, seen)``, execute ``plan.gait``, again.
 
     planner: one of ``make_planner``, one of your own, or a name: then ``model`` is needed.
@@ -62,20 +63,14 @@ class Hunter:
     ) -> None:  # fmt: skip
         check_whole(seed, "seed", 0)
         self.planner = _planner(planner, model)
-        self.gaits = _gaits(self.planner, model, gaits)
-        self.task = Task() if task is None else task
-        self.prey_model = _prey_model(prey_model, model, self.gaits)
-        self._tracker = _tracker(sensing, self.gaits)
+        repertoire = _gaits(self.planner, model, gaits)
         streams = spawn_streams(seed) if streams is None else streams
-        self._rng, self._belief_rng = streams["planner"], streams["belief"]
-        self._origin: Pose | None = None  # of the odometry, in the caller's frame
-        self._passed = 0.0
-        self.belief: Belief | None = None
-        self.situation: Situation | None = None
+        super().__init__(
+            repertoire, _tracker(sensing, repertoire), _prey_model(prey_model, model, repertoire),
+            Task() if task is None else task, rng=streams["belief"],
+        )  # fmt: skip
+        self._rng = streams["planner"]
         self.plan: Plan | None = None
-        self.observed: Polar | None = None
-        self.observation: Observation | None = None
-        self.time, self.steps, self.skipped = 0.0, 0, 0
 
     def step(
         self, own_pose: Pose, seen: Pose | Observation | None, time: float | None = None, *,
@@ -91,19 +86,9 @@ class Hunter:
 
         Raises InputError for a pose that is not of finite numbers, a time that does not go on, or a faulty planner.
         """
-        observation = self._observe(own_pose, seen, self._clock(time))
-        self._believe(observation)
-        assert self.belief is not None
-        situation = Situation(
-            prey=observation.pose.relative(self.belief.mean), prey_model=self.prey_model,
-            body_length=self.gaits.body_length, time=observation.time, step=self.steps,
-            previous_gait=None if self.plan is None else self.plan.gait, time_step=self.gaits.duration,
-            transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
-            belief=self.belief,
-        )  # fmt: skip
+        situation = self.perceive(own_pose, seen, time, future=future)
         self.plan = ask(self.planner, situation, self._rng, self.gaits)
-        self.situation, self.observation = situation, observation
-        self.time, self.steps = observation.time, self.steps + 1
+        self.execute(self.plan.gait)
         return self.plan
 
     def explain(self) -> str:
@@ -120,43 +105,6 @@ class Hunter:
         return "\n".join(lines)
 
     # --- inside -------------------------------------------------------------------------------
-
-    def _clock(self, time: float | None) -> float:
-        """Seconds of this call."""
-        if time is None:
-            return 0.0 if not self.steps else self.time + self.gaits.need("duration")
-        now = check_number(time, "time", "seconds")
-        if self.steps and not now > self.time:
-            raise InputError(f"time: expected seconds after the {self.time:g} of the call before, got {now:g}")
-        return now
-
-    def _observe(self, own_pose: Pose, seen: Pose | Observation | None, time: float) -> Observation:
-        """Bring what the caller says into the odometry frame, in which the hunter started at (0, 0, 0)."""
-        own = _pose(own_pose, "own_pose")
-        if self._origin is None:
-            self._origin = own
-        origin = self._origin
-        if isinstance(seen, Observation):
-            frames = tuple(_moved(frame, origin) for frame in seen.frames)
-            return Observation(time, in_frame(own, origin), frames, seen.covariance)
-        found = () if seen is None else (Detection(pose=in_frame(_pose(seen, "seen", heading=False), origin)),)
-        pose = in_frame(own, origin)
-        return Observation(time, pose, (Frame(time, pose, found),))
-
-    def _believe(self, observation: Observation) -> None:
-        """Update the belief; learn the prey's transitions that it has gained."""
-        before = self.belief
-        self.observed = None
-        if before is None or self.plan is None:
-            self.belief = self._tracker.start(observation)
-            return
-        gait = self.gaits[self.plan.gait]
-        self._passed = observation.time - self.time
-        self.belief = self._tracker.update(before, gait, observation, rng=self._belief_rng)
-        for transition in self.belief.transitions[len(before.transitions) :]:
-            self.prey_model.observe(transition)
-            self.observed = transition
-        self.skipped += self.observed is None
 
     def _sighting(self) -> str:
         assert self.belief is not None
@@ -219,27 +167,6 @@ def _tracker(sensing: Any, gaits: GaitRepertoire) -> Tracker:
         raise InputError(f"sensing: expected the name of a tracker, SensingSettings or a Tracker, got {shown(sensing)}")
     context = PerceptionContext(time_step=gaits.duration, body_length=gaits.body_length)
     return make_tracker(settings.tracker, context, settings.tracker_settings)
-
-
-def _pose(value: Any, name: str, *, heading: bool = True) -> Pose:
-    """A pose of floats; ``heading``: whether its heading must be known."""
-    try:
-        pose = Pose(*(float(part) for part in value))
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: expected a Pose(x, y, theta) of numbers [m, rad], got {shown(value)}") from None
-    finite = math.isfinite(pose.x) and math.isfinite(pose.y)
-    if not finite or math.isinf(pose.theta) or (heading and math.isnan(pose.theta)):
-        raise InputError(f"{name}: expected finite numbers{'' if heading else ', or a heading of NaN'}, got {pose}")
-    return pose
-
-
-def _moved(frame: Frame, origin: Pose) -> Frame:
-    """A frame of a sensor, told in the odometry frame."""
-    found = tuple(
-        one if one.pose is None else one._replace(pose=in_frame(_pose(one.pose, "seen", heading=False), origin))
-        for one in frame.detections
-    )
-    return Frame(frame.time, in_frame(_pose(frame.pose, "seen"), origin), found)
 
 
 def _name(planner: Planner) -> str:

@@ -55,10 +55,11 @@ class Trial:
         """Seconds to the catch; the time limit if there was none."""
         return self.moment.time if self.caught else self.settings.protocol.time_limit
 
-    def step(self, gait: Gait) -> Run:
-        """Let the hunter hold ``gait`` for a time-step, or for what is left of the hunt."""
+    def step(self, gait: Gait, prey: Gait | None = None) -> Run:
+        """Let the hunter hold ``gait`` for a time-step, or for what is left; ``prey``: the prey's gait, if any."""
         before = self.moment
-        run = self.world.run({HUNTER: gait}, min(self.settings.robot.gait_duration, self.time_left), self.reach)
+        gaits = {HUNTER: gait} if prey is None else {HUNTER: gait, PREY: prey}
+        run = self.world.run(gaits, min(self.settings.robot.gait_duration, self.time_left), self.reach)
         if not run.moments or not run.moments[-1].time > before.time:
             raise BayesHuntError(f"world {self.settings.world!r}: a run of a gait took no time; run check_world on it")
         self.moment, self.caught = run.moments[-1], run.stopped is not None

@@ -1,0 +1,138 @@
+"""What a hunter knows between two decisions, whoever decides: belief, prey model, the gait before, the time.
+
+The world is outside: whoever owns it says where the hunter is and what it sees, and executes the gait that was chosen.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from bayeshunt.core.checks import check_number
+from bayeshunt.core.errors import InputError, shown
+from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.core.geometry import Polar, Pose, in_frame
+from bayeshunt.core.messages import Detection, Frame, Observation
+from bayeshunt.core.protocols import Belief, TargetModel, Tracker
+from bayeshunt.core.task import Task
+from bayeshunt.planners.api import Future, Situation
+
+__all__ = ["Perceiver"]
+
+
+class Perceiver:
+    """Turns what a hunter sees into situations, and remembers which gait followed each of them.
+
+    gaits: the hunter's repertoire. tracker: what turns sightings into a belief. prey_model: what is known of the prey;
+    it goes on learning. task: what counts as a catch. rng: of all that the tracker draws.
+
+    belief, prey_model, situation, time [s] and steps are there to look at; ``observed`` is the prey transition that
+    the last situation has learned, or None; ``skipped`` counts the steps whose transition was not learned.
+    """
+
+    def __init__(
+        self, gaits: GaitRepertoire, tracker: Tracker, prey_model: TargetModel, task: Task, *, rng: np.random.Generator
+    ) -> None:
+        self.gaits, self.task, self.prey_model = gaits, task, prey_model
+        self._tracker, self._belief_rng = tracker, rng
+        self._origin: Pose | None = None  # of the odometry, in the caller's frame
+        self._passed = 0.0
+        self.belief: Belief | None = None
+        self.situation: Situation | None = None
+        self.previous: str | None = None
+        self.observed: Polar | None = None
+        self.observation: Observation | None = None
+        self.time, self.steps, self.skipped = 0.0, 0, 0
+
+    def perceive(
+        self, own_pose: Pose, seen: Pose | Observation | None, time: float | None = None, *,
+        future: Future | None = None,
+    ) -> Situation:  # fmt: skip
+        """Return what is known now; say with :meth:`execute` which gait follows, then perceive again at its end.
+
+        own_pose: the hunter's pose [m, rad] in any fixed counter-clockwise frame, the same in every call.
+        seen: the prey's pose in that frame, whose heading may be NaN; an Observation of detections; None: not seen.
+        time: seconds; by default one gait's duration after the call before. future: the prey's true future.
+
+        Raises InputError for a pose that is not of finite numbers or a time that does not go on.
+        """
+        observation = self._observe(own_pose, seen, self._clock(time))
+        self._believe(observation)
+        assert self.belief is not None
+        self.observation = observation
+        self.situation = Situation(
+            prey=observation.pose.relative(self.belief.mean), prey_model=self.prey_model,
+            body_length=self.gaits.body_length, time=observation.time, step=self.steps,
+            previous_gait=self.previous, time_step=self.gaits.duration,
+            transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
+            belief=self.belief,
+        )  # fmt: skip
+        return self.situation
+
+    def execute(self, gait: str) -> None:
+        """Note that the gait of this name follows the present situation."""
+        assert self.situation is not None
+        self.previous = gait
+        self.time, self.steps = self.situation.time, self.steps + 1
+
+    # --- inside -------------------------------------------------------------------------------
+
+    def _clock(self, time: float | None) -> float:
+        """Seconds of this call."""
+        if time is None:
+            return 0.0 if not self.steps else self.time + self.gaits.need("duration")
+        now = check_number(time, "time", "seconds")
+        if self.steps and not now > self.time:
+            raise InputError(f"time: expected seconds after the {self.time:g} of the call before, got {now:g}")
+        return now
+
+    def _observe(self, own_pose: Pose, seen: Pose | Observation | None, time: float) -> Observation:
+        """Bring what the caller says into the odometry frame, in which the hunter started at (0, 0, 0)."""
+        own = _pose(own_pose, "own_pose")
+        if self._origin is None:
+            self._origin = own
+        origin = self._origin
+        if isinstance(seen, Observation):
+            frames = tuple(_moved(frame, origin) for frame in seen.frames)
+            return Observation(time, in_frame(own, origin), frames, seen.covariance)
+        found = () if seen is None else (Detection(pose=in_frame(_pose(seen, "seen", heading=False), origin)),)
+        pose = in_frame(own, origin)
+        return Observation(time, pose, (Frame(time, pose, found),))
+
+    def _believe(self, observation: Observation) -> None:
+        """Update the belief; learn the prey's transitions that it has gained."""
+        before = self.belief
+        self.observed = None
+        if before is None or self.previous is None:
+            self.belief = self._tracker.start(observation)
+            return
+        gait = self.gaits[self.previous]
+        self._passed = observation.time - self.time
+        self.belief = self._tracker.update(before, gait, observation, rng=self._belief_rng)
+        for transition in self.belief.transitions[len(before.transitions) :]:
+            self.prey_model.observe(transition)
+            self.observed = transition
+        self.skipped += self.observed is None
+
+
+def _pose(value: Any, name: str, *, heading: bool = True) -> Pose:
+    """A pose of floats; ``heading``: whether its heading must be known."""
+    try:
+        pose = Pose(*(float(part) for part in value))
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: expected a Pose(x, y, theta) of numbers [m, rad], got {shown(value)}") from None
+    finite = math.isfinite(pose.x) and math.isfinite(pose.y)
+    if not finite or math.isinf(pose.theta) or (heading and math.isnan(pose.theta)):
+        raise InputError(f"{name}: expected finite numbers{'' if heading else ', or a heading of NaN'}, got {pose}")
+    return pose
+
+
+def _moved(frame: Frame, origin: Pose) -> Frame:
+    """A frame of a sensor, told in the odometry frame."""
+    found = tuple(
+        one if one.pose is None else one._replace(pose=in_frame(_pose(one.pose, "seen", heading=False), origin))
+        for one in frame.detections
+    )
+    return Frame(frame.time, in_frame(_pose(frame.pose, "seen"), origin), found)
