@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from bayeshunt.episodes.hunter import Hunter
     from bayeshunt.episodes.loop import hunt
     from bayeshunt.episodes.pursuit import Pursuit
+    from bayeshunt.episodes.tracing import trace
     from bayeshunt.experiments.preparation import learn_room
     from bayeshunt.experiments.run.runner import evaluate
     from bayeshunt.experiments.scores import summarise, wilson_interval
@@ -135,6 +136,7 @@ _HOMES = {
     "InverseModel": ("bayeshunt.models.body.inverse", "InverseModel"),
     "compare": ("bayeshunt.models.comparison.compare", "compare"),
     "Learning": ("bayeshunt.models.comparison.learning", "Learning"),
+    "trace": ("bayeshunt.episodes.tracing", "trace"),
     "Network": ("bayeshunt.models.inference.network", "Network"),
     "Structure": ("bayeshunt.models.tables.structures", "Structure"),
     "PreyModel": ("bayeshunt.models.target.prey", "PreyModel"),

@@ -184,6 +184,7 @@ class Plan:
     evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
     support: babbling rows in that cell; None if not asked, or if unknown (an imported network).
     posterior: P(Gait | target) [G] in table order; None if not asked.
+    answer: the inverse model's answer that it rests on, which ``bayeshunt.trace`` opens; not sent to other processes.
     prey_known: True if the decision rests on what the prey model has observed. False if the planner
         does not ask it, or if it is empty and the prey was taken to stand still.
     predicted_prey: Polar of arrays [T + 1], the prey 0..T steps ahead as the hunter sees it now; headings are
@@ -203,6 +204,7 @@ class Plan:
     posterior: np.ndarray | None = None
     prey_known: bool = False
     predicted_prey: Polar[FloatArray] | None = None
+    answer: Any = None
 
     def __post_init__(self) -> None:
         if self.gaits is None:
@@ -218,7 +220,7 @@ class Plan:
     def __getstate__(self) -> dict[str, Any]:
         # A plan that is sent to another process carries its finished trace, not the planner's tables.
         state = {name: value for name, value in self.__dict__.items() if name != "trace"}
-        state["make_trace"] = partial(_given, self.trace)
+        state["make_trace"], state["answer"] = partial(_given, self.trace), None
         return state
 
     def __repr__(self) -> str:

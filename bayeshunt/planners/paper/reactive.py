@@ -58,6 +58,7 @@ def aim(inverse: InverseModel, gaits: tuple[str, ...], target: Polar, **known: A
         evidence_probability=answer.evidence_probability,
         support=answer.support,
         posterior=posterior,
+        answer=answer,
         **known,
     )
 

@@ -8,6 +8,7 @@ from typing import Any
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.episodes.episode import Episode
+from bayeshunt.episodes.tracing import Trace
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
@@ -16,7 +17,7 @@ from bayeshunt.models.comparison.compare import Comparison
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan, Shown
-from bayeshunt.views.sheets import assessment, comparison, models, plans, settings, tables
+from bayeshunt.views.sheets import assessment, comparison, models, plans, settings, tables, tracing
 from bayeshunt.views.sheets.sheet import Sheet
 
 __all__ = ["sheet", "to_html", "to_text"]
@@ -47,6 +48,7 @@ for _kind, _sheet in (
     (Plan, plans.plan),
     (Episode, plans.episode),
     (Comparison, comparison.comparison),
+    (Trace, tracing.trace),
     (Assessment, assessment.assessment),
     (RobotSettings, settings.robot),
     (GaitRepertoire, settings.gaits),

@@ -1,0 +1,62 @@
+"""Answers and decisions opened: the numbers multiply to the posterior, and the rows are as many as the counts."""
+
+import numpy as np
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.core.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def model():
+    table = bh.load_dataset("data/khepera_babbling.parquet")
+    return bh.ForwardModel.fit(table, bh.load_robot("khepera").gaits)
+
+
+def opened_right(found, answer, model):
+    np.testing.assert_allclose(found.factors["posterior"], answer.values, atol=1e-12)
+    assert found.factors["product"].sum() == pytest.approx(answer.evidence_probability, rel=1e-9)
+    parts = found.factors.drop(columns=["product", "posterior"])
+    np.testing.assert_allclose(parts.prod(axis=1), found.factors["product"])
+    for cell in found.cells.to_dict("records"):
+        assert len(found.rows(cell["variable"])) == cell["count"]
+        expected = model.cpt(cell["variable"]).loc[cell["state"]]
+        assert cell["probability"] == (expected.iloc[0] if cell["variable"] == "Gait" else expected[found.gait])
+    for shown in (str(found), found._repr_html_()):
+        assert found.gait in shown
+
+
+@pytest.mark.parametrize("heading", [None, -0.9])
+def test_an_answer(model, heading):
+    answer = bh.InverseModel(model).posterior(0.16, -0.35, heading)
+    for gait in (None, "tight left"):
+        found = bh.trace(answer, gait)
+        assert found.gait == (gait or answer.best)
+        opened_right(found, answer, model)
+
+
+@pytest.mark.parametrize("planner", ["reactive", "prediction"])
+def test_every_decision_of_a_hunt(model, planner):
+    episode = bh.hunt("paper", bh.make_planner(planner, model), seed=3)
+    assert len(episode.plans)
+    for plan, row in zip(episode.plans, episode.frame.to_dict("records"), strict=True):
+        found = bh.trace(plan)
+        assert found.gait == row["gait"]
+        np.testing.assert_allclose(found.factors["posterior"], row["posterior"], atol=1e-12)
+        opened_right(found, plan.answer, model)
+
+
+def test_other_structures_multiply_too():
+    table = bh.load_dataset("data/khepera_babbling.parquet")
+    model = bh.ForwardModel.fit(table, bh.load_robot("khepera").gaits, 0.1, structure="joint")
+    answer = bh.InverseModel(model).posterior(0.16, -0.35)
+    np.testing.assert_allclose(bh.trace(answer).factors["posterior"], answer.values, atol=1e-12)
+
+
+def test_what_cannot_be_traced(model):
+    with pytest.raises(InputError, match="answer"):
+        bh.trace("x")
+    with pytest.raises(InputError, match="no posterior"):
+        bh.trace(bh.Plan("straight"))
+    with pytest.raises(InputError, match="fly"):
+        bh.trace(bh.InverseModel(model).posterior(0.16, -0.35), "fly")
