@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,10 +34,18 @@ _SIGNED = (True, True, False) + (True,) * 4 + (False,) + (True,) * 8
 
 
 def bounds(gaits: GaitRepertoire) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the least and the greatest value of each number of an observation: two arrays [18 + G]."""
-    high = np.array([*_SCALES, *[1.0] * (len(gaits) + 2)], dtype=np.float32)
-    signed = np.array([*_SIGNED, *[False] * (len(gaits) + 2)])
-    return np.where(signed, -high, np.float32(0.0)), high
+    """Return the least and the greatest value of each number of an observation: two read-only arrays [18 + G]."""
+    return _bounds(len(gaits))
+
+
+@lru_cache
+def _bounds(gaits: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    high = np.array([*_SCALES, *[1.0] * (gaits + 2)], dtype=np.float32)
+    signed = np.array([*_SIGNED, *[False] * (gaits + 2)])
+    low = np.where(signed, -high, np.float32(0.0))
+    for bound in (low, high):
+        bound.setflags(write=False)
+    return low, high
 
 
 def observation(situation: Situation, gaits: GaitRepertoire) -> NDArray[np.float32]:
@@ -78,7 +87,8 @@ def encode(
     values[: len(numbers)] = numbers
     if before is not None:
         values[len(numbers) + before] = 1.0
-    return np.clip(values, *bounds(gaits))
+    low, high = _bounds(len(gaits))
+    return np.minimum(np.maximum(values, low), high)
 
 
 class PolicyPlanner(Shown):
