@@ -105,3 +105,18 @@ def test_who_has_no_kernel_sees_the_answer_and_no_address(khepera_model):
     assert type(data["text/html"]) is str
     assert data["text/plain"] == str(explorer.answer)
     assert not any("object at 0x" in str(part) for part in data.values())
+
+
+def test_how_sure_each_probability_is_stands_beside_it(explorer, khepera_model):
+    explorer.distance, explorer.angle = 0.168, -0.35
+    found = bh.InverseModel(khepera_model).posterior(0.168, -0.35).interval()
+    sent = explorer._answer
+    np.testing.assert_allclose([row[:2] for row in sent["within"]], found[["low", "high"]])
+    assert " to " in sent["within"][0][2]
+    assert "95 % interval" in sent["sure"]
+
+
+def test_of_an_imported_network_nobody_knows_how_sure(khepera_model, tmp_path):
+    khepera_model.to_xmlbif(tmp_path / "m.xmlbif")
+    explorer = bh.Explorer(bh.import_network(tmp_path / "m.xmlbif"))
+    assert (explorer._answer["within"], explorer._answer["sure"]) == (None, None)

@@ -127,13 +127,14 @@ function buildSide(side, scene) {
     const row = element("tr", undefined, "", table), head = element("th", gait, "", row);
     head.scope = "row";
     head.title = gait;
-    const bar = element("div", undefined, "", element("td", undefined, "bar", row));
-    return { row, bar, value: element("td", "", "value", row) };
+    const track = element("td", undefined, "bar", row);
+    const bar = element("div", undefined, "", track), whisker = element("span", undefined, "whisker", track);
+    return { row, bar, whisker, value: element("td", "", "value", row), within: element("td", "", "within", row) };
   });
   const list = element("dl", undefined, "", side);
   // an imported network has learned nothing: its cells are those of positive probability
   const cell = scene.counted ? "learned cell" : "cell used";
-  const facts = Object.fromEntries(["target", "learned cell", "P(evidence)", "support"].map((name) => {
+  const facts = Object.fromEntries(["target", "learned cell", "P(evidence)", "support", ...(scene.counted ? ["how sure"] : [])].map((name) => {
     element("dt", name === "learned cell" ? cell : name, "", list);
     const value = element("dd", "", "", list);
     value.dataset.fact = name;
@@ -154,16 +155,22 @@ function buildSide(side, scene) {
   }
   element("p", "Drag the target, or focus the picture and use the arrow keys (with shift: larger steps).", "help", side);
   return (answer, distance, angle) => {
-    rows.forEach(({ row, bar, value }, i) => {
+    rows.forEach(({ row, bar, whisker, value, within }, i) => {
       const probability = answer.probabilities[i];
+      const [low, high, said] = answer.within?.[i] ?? [0, 0, ""];
       bar.style.width = `${100 * probability}%`;
+      whisker.hidden = !said;
+      whisker.style.left = `${100 * low}%`;
+      whisker.style.width = `${100 * (high - low)}%`;
       value.textContent = probability.toFixed(3);
+      within.textContent = said && `(${said})`;
       row.classList.toggle("best", scene.gaits[i] === answer.best);
     });
     facts.target.textContent = `${length(distance)} at ${degrees(wrap(angle))}`;
     facts["learned cell"].textContent = `${answer.labels[0]}, ${answer.labels[1]}${answer.snapped ? " (nearest)" : ""}`;
     facts["P(evidence)"].textContent = answer.evidence_probability.toPrecision(4);
     facts.support.textContent = answer.rows;
+    if (answer.sure) facts["how sure"].textContent = answer.sure;
   };
 }
 

@@ -17,6 +17,7 @@ from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.pages.page import asset, number
+from bayeshunt.views.sheets.sheet import bounds
 
 #: Outcomes less probable than this share of the most probable one are not drawn.
 _FAINT = 0.01
@@ -129,11 +130,21 @@ def _describe(inverse: InverseModel, answer: Posterior) -> dict[str, Any]:
         "evidence_probability": answer.evidence_probability,
         "support": answer.support,
         "rows": grounds.support(answer),
+        **_certainty(answer),
         "snapped": answer.snapped,
         "cell": [answer.cell.distance_bin, answer.cell.angle_bin],
         "labels": [true_minus(label(name)) for name in (answer.cell.distance_label, answer.cell.angle_label)],
         "outcomes": _outcomes(inverse, answer),
     }
+
+
+def _certainty(answer: Posterior) -> dict[str, Any]:
+    """Low and high end of each probability's interval, and in words how sure the answer is; None where nobody knows."""
+    found = grounds.interval(answer)
+    if found is None:
+        return {"within": None, "sure": None}
+    within = [[low, high, bounds(low, high)] for low, high in grounds.within(found).values()]
+    return {"within": within, "sure": grounds.how_sure(answer, found)}
 
 
 def _outcomes(inverse: InverseModel, answer: Posterior) -> list[list[float | None]]:
