@@ -14,7 +14,7 @@ import pytest
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
-#: What a reader of a notebook has installed with bayeshunt[notebook], and may have to know.
+#: What a reader of a notebook has installed with .[notebook], and may have to know.
 ALLOWED = {"bayeshunt", "numpy", "pandas", "matplotlib", "IPython"}
 
 each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem[:2])

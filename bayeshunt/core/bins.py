@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.arguments import check_fields
-from bayeshunt.core.checks import check_kind, check_number, check_numbers
+from bayeshunt.core.checks import check_kind, check_number, check_numbers, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
 
@@ -116,6 +116,7 @@ class Axis:
 
     def extended(self, bins: int) -> Axis:
         """Return this axis with at least ``bins`` bins (linear axes only grow)."""
+        check_whole(bins, "bins", 1)
         if self.circular or bins <= self.bins:
             return self
         return Axis(self.name, self.width, int(bins))
@@ -175,6 +176,7 @@ class EffectAxes:
 
     def extended(self, distance_bins: int) -> EffectAxes:
         """Return these axes with at least ``distance_bins`` distance bins."""
+        check_whole(distance_bins, "distance_bins", 1)
         return EffectAxes(self.distance.extended(distance_bins), self.angle, self.heading, body_length=self.body_length)
 
 

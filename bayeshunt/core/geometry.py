@@ -102,8 +102,13 @@ class Polar(NamedTuple, Generic[Part]):
     @classmethod
     def from_cartesian(cls, forward: FloatLike, right: FloatLike, heading: FloatLike = 0.0) -> Polar[Any]:
         """Polar coordinates of a point ``forward`` [m] ahead and ``right`` [m] to the right."""
-        polar: Polar[Any] = Polar(np.hypot(forward, right), wrap(np.arctan2(right, forward)), wrap(heading))
-        return polar
+        try:
+            distance, angle = np.hypot(forward, right), np.arctan2(right, forward)
+        except (TypeError, AttributeError):
+            raise InputError(
+                f"forward, right: expected metres, numbers or arrays, got {shown(forward)} and {shown(right)}"
+            ) from None
+        return Polar(distance, wrap(angle), wrap(heading))
 
     @overload
     def compose(self, other: Polar) -> Polar[Part]: ...

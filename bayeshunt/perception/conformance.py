@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import BayesHuntError, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -31,6 +32,7 @@ def check_sensor(name: str, seed: int = 0, **settings: Any) -> None:
     least one frame, the last of them now, and the robot's own pose in every one; it leaves the run and numpy's global
     generator as they were; the same seed gives the same observation.
     """
+    check_whole(seed, "seed", 0)
     for number, run in enumerate(_runs()):
         seen = []
         for _ in range(2):
@@ -52,6 +54,7 @@ def check_tracker(name: str, seed: int = 0, **settings: Any) -> None:
     asked for, its probability of being in view is one; transitions are only ever added; the belief and the observation
     that it is given, and numpy's global generator, stay as they were; the same seed gives the same beliefs.
     """
+    check_whole(seed, "seed", 0)
     for seen in (range(8), (0, 1, 4, 5, 6), (), (3, 4)):
         histories = [_history(name, settings, seed, set(seen)) for _ in range(2)]
         same = all(one.mean == other.mean for one, other in zip(*histories, strict=True))

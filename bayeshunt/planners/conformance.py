@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.planners.api import Plan, Planner, Situation
+from bayeshunt.planners.asking import check_can_plan
 
 __all__ = ["check_planner", "same_plan"]
 
@@ -25,7 +27,11 @@ def check_planner(planner: Planner, gaits: Iterable[str], situations: Iterable[S
     global generator are left as they were; the same situation and seed give the same plan, whatever
     was planned before.
     """
+    check_can_plan(planner)
+    check_whole(seed, "seed", 0)
     known, cases = set(gaits), list(situations)
+    for situation in cases:
+        check_kind(situation, "situations", Situation, "a list of Situations")
     if not cases:
         raise BayesHuntError("check_planner needs at least one situation")
     _check_rng_required(planner, cases[0])

@@ -9,7 +9,8 @@ import numpy as np
 
 from bayeshunt.config.loading import load_experiment, load_robot
 from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, PhysicsSettings, RobotSettings
-from bayeshunt.core.errors import BayesHuntError, InputError, shown
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
 from bayeshunt.core.messages import Moment, Reach, Run
@@ -33,7 +34,10 @@ def check_world(world: str, experiment: str | ExperimentSettings = "paper", aren
     tells whether that is so; the same seed gives the same moments, another seed others (if there is noise); a fork
     goes the same way every time and leaves the world as it is; numpy's global generator is left alone.
     """
+    check_whole(seed, "seed", 0)
     settings = load_experiment(experiment)
+    if arena not in settings.arenas:
+        raise InputError(f"arena: unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
     fault = _Fault(f"world {world!r}")
     chance = global_generator()
     first, again, other = (_moments(world, settings, arena, s, fault) for s in (seed, seed, seed + 1))
@@ -53,6 +57,7 @@ def check_body(robot: str | RobotSettings, world: str = BOX2D, seed: int = 0) ->
     every gait can be commanded and leaves it at a finite pose, and at least one moves it; what is no gait of its own is
     refused; the same seed gives the same poses.
     """
+    check_whole(seed, "seed", 0)
     settings = load_robot(robot)
     fault = _Fault(f"body of robot {settings.name!r}")
     ends = [_executed(settings, world, seed, fault) for _ in range(2)]
@@ -67,6 +72,7 @@ def check_prey(behaviour: str, experiment: str | ExperimentSettings = "paper", s
     behaviour: the name of one that is registered. The rules: it answers with two finite wheel speeds wherever it is,
     whoever is near, in every arena; the same seed gives the same answers; numpy's global generator is left alone.
     """
+    check_whole(seed, "seed", 0)
     settings = load_experiment(experiment, {"prey.behaviour": behaviour})
     fault = _Fault(f"prey {behaviour!r}")
     chance = global_generator()

@@ -80,7 +80,7 @@ def test_without_anywidget_it_says_what_to_install():
         "except bh.InputError as error: print(error)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "the explorer needs anywidget: pip install 'bayeshunt[notebook]'"
+    assert done.stdout.strip() == "the explorer needs anywidget: pip install '.[notebook]' in bayeshunt's folder"
 
 
 def test_the_explorer_of_an_import_knows_no_support(khepera_model, tmp_path):

@@ -13,6 +13,7 @@ import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import DataError, InputError, ResultsError
 from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import as_evaluated, summarise
@@ -67,6 +68,7 @@ def save_results(
     """Write hunts.parquet, summary.json and summary.md into ``folder``, each replaced atomically."""
     import pyarrow as pa
 
+    check_whole(seed, "seed", 0)
     path = check_output_folder(folder)
     record = {"kind": _KIND, "seed": int(seed), "settings": settings.model_dump(mode="json")}
     record |= {"version": version("bayeshunt"), "model": results.attrs.get("model")}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ def remember(
     runs: int = 30,
     seed: int = 0,
     model: ForwardModel | None = None,
-    progress: Any = None,
+    progress: Callable[[int], None] | None = None,
 ) -> PreyMemory:
     """Return the tables of the prey seen in ``runs`` training hunts per bearing and arena.
 
@@ -49,6 +49,7 @@ def remember(
     settings = load_experiment(experiment)
     check_planners(settings, [planner], hunting=True)
     check_whole(runs, "runs", 1)
+    check_whole(seed, "seed", 0)
     chosen = list(arenas) if arenas else list(settings.arenas)
     check_arenas(settings, chosen)
     body, sizes = settings.robot.body.body_length, settings.model

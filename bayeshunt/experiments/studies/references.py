@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ def reference(
     angles: int = 72,
     headings: int = 72,
     cache: str | os.PathLike[str] | None = None,
-    progress: Any = None,
+    progress: Callable[[int], None] | None = None,
 ) -> ReferenceTable:
     """Return the reference table: least expected time to capture a straight prey, by value iteration.
 
@@ -46,6 +47,7 @@ def reference(
     seed: of both. samples: paths per gait. angles, headings: grid lines per full turn.
     cache: a folder where the table is kept under the digest of all this and found the next time.
     """
+    check_whole(seed, "seed", 0)
     settings = load_experiment(experiment)
     check_planners(settings, ())
     for name, value, least in (("samples", samples, 1), ("angles", angles, 4), ("headings", headings, 4)):

@@ -322,7 +322,10 @@ class ForwardModel(OpenTables):
 
     def evidence(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
         """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle and Heading."""
-        return self.source.effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
+        try:
+            return self.source.effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
+        except (IndexError, TypeError):
+            raise InputError("distance_bins, angle_bins, heading_bins: expected bin numbers or arrays") from None
 
     # --- storing ------------------------------------------------------------------------------
 

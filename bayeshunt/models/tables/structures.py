@@ -15,8 +15,9 @@ from itertools import combinations
 
 import pandas as pd
 
+from bayeshunt.core.arguments import check_fields
 from bayeshunt.core.bins import EFFECTS
-from bayeshunt.core.errors import InputError, did_you_mean
+from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.models.counting.cells import (
     MAX_TABLE_CELLS,
     CountedCells,
@@ -49,6 +50,10 @@ class Structure:
     edges: tuple[Edge, ...]
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        for edge in self.edges:
+            if not (isinstance(edge, (tuple, list)) and len(edge) == 2 and all(isinstance(end, str) for end in edge)):
+                raise InputError(f"Structure: edges: expected pairs (parent, child) of names, got {shown(edge)}")
         if self.name not in STRUCTURES:
             raise InputError(f"unknown structure {self.name!r}{did_you_mean(self.name, STRUCTURES)}")
         for parent, child in self.edges:

@@ -16,8 +16,8 @@ import numpy as np
 from bayeshunt.core import displays, statistics
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EFFECTS, EffectAxes
-from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_radians, check_whole
-from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedError
+from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_numbers, check_radians, check_whole
+from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedError, shown
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.data.transitions import validate_transitions
 from bayeshunt.files.records import RecordKind
@@ -123,6 +123,10 @@ class PreyModel:
         check_whole(steps, "steps", 1)
         check_whole(n, "n", 1)
         check_generator(rng)
+        if np.ndim(seen) != 2 or np.asarray(seen).dtype.kind not in "cf":
+            raise InputError(f"seen: expected places as a complex array [N, T], got {shown(seen)}")
+        if headings is not None:
+            headings = check_numbers(headings, "headings")
         self._check_seen()
         if self.conditions is not None and not self.conditions.is_empty:
             return self.conditions.futures(np.asarray(seen), steps, n, rng=rng, headings=headings)

@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.checks import check_kind, check_polar
+from bayeshunt.core.arguments import check_fields
+from bayeshunt.core.checks import check_kind, check_numbers, check_polar
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
@@ -87,6 +88,9 @@ class TurnModel:
     drifts: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        check_fields(self)
+        for name in ("prior_turns", "speeds", "turns", "drifts"):
+            check_numbers(getattr(self, name), f"turn model: {name}")
         for name in ("prior_speed", "prior_steps", "turn_weight", "threshold"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise InputError(f"turn model: {name} must be a positive number, got {getattr(self, name)!r}")

@@ -20,7 +20,7 @@ except ModuleNotFoundError as error:  # an extra: the rest of the package works 
         """Stands in for the widget where its libraries are not installed: it says how to get them."""
 
         def __init__(self, *_: Any, **__: Any) -> None:
-            raise InputError("the explorer needs anywidget: pip install 'bayeshunt[notebook]'")
+            raise InputError("the explorer needs anywidget: pip install '.[notebook]' in bayeshunt's folder")
 
 
 __all__ = ["Explorer"]
