@@ -109,7 +109,7 @@ class Output:
     def __init__(self, stream: Any) -> None:
         self.stream = stream
         self.failure: OSError | None = None
-        if getattr(stream, "errors", None) == "strict" and hasattr(stream, "reconfigure"):
+        if getattr(stream, "errors", None) in ("strict", "surrogateescape") and hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=_PLAINLY)
 
     def __getattr__(self, name: str) -> Any:
