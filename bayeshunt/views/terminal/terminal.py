@@ -124,8 +124,11 @@ def episode_table(episode: Any) -> None:
         value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
         table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
     table.print(out)
-    what = objective(0.0, episode.frame["objective"].iloc[0])[1] if len(episode.frame) else ""
-    out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
+    if len(episode.frame):
+        what = objective(0.0, episode.frame["objective"].iloc[0])[1]
+        out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
+    else:
+        out.print("no decision was made: the prey starts within the catch distance.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
         out.print(
             "aims at: distance of the place it makes for; who predicts makes for one some steps ahead.", style="dim"
