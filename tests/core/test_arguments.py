@@ -85,3 +85,9 @@ def test_numbers_of_numpy_are_numbers_and_signatures_stay():
     assert bh.wilson_interval(np.int64(1), np.int32(2)) == bh.wilson_interval(1, 2)
     assert list(inspect.signature(bh.ForwardModel.fit).parameters)[:3] == ["frame", "gaits", "prior"]
     assert bh.Axis("Distance", np.float64(0.1), np.int64(3)).bins == 3
+
+
+def test_an_exported_network_is_named_as_one(tmp_path):
+    model = bh.ForwardModel.empty(["a"], 1.0, axes=AXES)
+    with pytest.raises(bh.InputError, match="networks are XMLBIF, not Parquet"):
+        model.to_xmlbif(tmp_path / "n.parquet")

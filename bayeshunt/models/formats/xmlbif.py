@@ -21,6 +21,7 @@ import numpy as np
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, write_text
+from bayeshunt.files.endings import check_ending
 from bayeshunt.models.tables.structures import Structure
 
 
@@ -85,6 +86,7 @@ def write(model: Exported, path: str | os.PathLike[str]) -> None:
 
     Raises BayesHuntError if a file cannot be written.
     """
+    check_ending(path, "networks", ".xmlbif")
     labels = safe_labels(model)
     root = ElementTree.Element("BIF", VERSION="0.3")
     body = ElementTree.SubElement(root, "NETWORK")
