@@ -10,6 +10,7 @@ import pytest
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import ConfigError, InputError
 from bayeshunt.experiments.reported import compare, fisher, same_mean
+from bayeshunt.experiments.run.runner import evaluate
 from bayeshunt.experiments.scores import summarise
 from bayeshunt.experiments.store.export import summary, to_markdown
 
@@ -124,3 +125,18 @@ def test_figures_that_contradict_themselves(given, says):
         load_experiment("oses2010", {"published.reactive.walled": given})
     assert "\n" not in str(caught.value)
     assert "published.reactive.walled" in str(caught.value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_all_that_the_paper_reports_comes_out(seed):
+    """Each seed alone, 700 hunts a row: within 6.5 points, and the profile of reactive over the bearings."""
+    results = evaluate("oses2010", seed=seed, jobs=-1)
+    rows = {(row["planner"], row["arena"], row["theta"]): row for row in compare(results, load_experiment("oses2010"))}
+    for theta in range(7):
+        success = rows["reactive", "walled", float(theta)]["success"]
+        assert success >= 0.99 if theta == 1 else success <= 0.02
+    for name in (("reactive", "walled"), ("prediction", "walled"), ("prediction", "open"), ("planning", "open")):
+        row = rows[(*name, None)]
+        assert row["success"] == pytest.approx(row["paper_success"], abs=0.065)
+    assert rows["prediction", "walled", None]["mean_time_s"] == pytest.approx(15.287, abs=1.5)
