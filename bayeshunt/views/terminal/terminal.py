@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import textwrap
 from collections.abc import Callable, Iterator
 from datetime import timedelta
 from typing import Any
@@ -228,7 +229,8 @@ def posterior_bars(answer: Any) -> None:
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
     out.print(f"support              {grounds.support(answer)}")
     if found is not None:
-        out.print(f"how sure             {grounds.how_sure(answer, found)}", soft_wrap=True)
+        said = f"how sure             {grounds.how_sure(answer, found)}"
+        out.print("\n".join(textwrap.wrap(said, out.width, subsequent_indent=" " * 21, break_long_words=False)))
     if answer.beyond:
         out.print(grounds.beyond(answer), style="italic")
 
