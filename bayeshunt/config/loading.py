@@ -17,6 +17,7 @@ from bayeshunt.config.describing import describe, keys_at
 from bayeshunt.config.plausibility import warn_implausible
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
+from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.parquet import PROVENANCE_KEY
@@ -63,6 +64,8 @@ def load_experiment(
     overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``.
     A file may start from another with ``base = "paper"`` and change only some keys.
     """
+    if overrides is not None:
+        check_kind(overrides, "overrides", Mapping, "a dict of values by dotted key")
     if isinstance(experiment, ExperimentSettings):
         values, source = experiment.model_dump(), f"settings {experiment.name!r}"
         if not overrides:

@@ -29,7 +29,12 @@ def _experiment(settings: ExperimentSettings) -> Iterator[str]:
     bin_width = settings.model.distance_bin
     yield from _robot(settings.robot, "robot.", bin_width)
     yield from _prey(settings.prey, settings.robot, bin_width)
-    body = settings.robot.body.body_length
+    protocol, body = settings.protocol, settings.robot.body.body_length
+    if protocol.catch_distance >= protocol.prey_distance:
+        yield (
+            f"protocol.catch_distance: {protocol.catch_distance:g} bodies, and the prey starts at "
+            f"{protocol.prey_distance:g}: every hunt ends before its first decision"
+        )
     for name, arena in settings.arenas.items():
         for key in ("width", "height"):
             if getattr(arena, key) > _TIMES * body:

@@ -21,6 +21,7 @@ __all__ = [
     "MOST_PSEUDO_COUNT",
     "beyond_a_turn",
     "check_bearings",
+    "check_callable",
     "check_generator",
     "check_kind",
     "check_number",
@@ -38,6 +39,12 @@ def check_kind(value: Any, name: str, kind: type, expected: str) -> None:
     """Raise InputError unless ``value`` is a ``kind``; ``expected`` says it in words."""
     if not isinstance(value, kind):
         raise InputError(f"{name}: expected {expected}, got {shown(value)}")
+
+
+def check_callable(value: Any, name: str, expected: str) -> None:
+    """Raise InputError unless ``value`` can be called, or is None; ``expected`` says it in words."""
+    if value is not None and not callable(value):
+        raise InputError(f"{name}: expected {expected} or None, got {shown(value)}")
 
 
 def check_whole(value: Any, name: str, least: int) -> None:

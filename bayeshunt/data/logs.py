@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.log_clock import seconds_of, unbroken
 from bayeshunt.data.log_columns import find_columns, lengths, radians_of
@@ -26,6 +27,7 @@ __all__ = ["command_columns", "read_log", "read_table"]
 _EXPECTED = "a log of a robot"
 
 
+@checked
 def read_log(
     path: str | os.PathLike[str],
     commands: str | os.PathLike[str] | None = None,

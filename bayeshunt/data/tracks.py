@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import wrap
@@ -35,6 +36,7 @@ _EXPECTED = "a table of tracks"
 _FIX = "give a file made by: bayeshunt ingest tracks"
 
 
+@checked
 def read_tracks(
     path: str | os.PathLike[str],
     rate: float | None = None,

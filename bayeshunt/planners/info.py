@@ -47,7 +47,9 @@ class PlannerInfo:
     def __post_init__(self) -> None:
         for name in ("ab_initio", "hunts"):
             check_kind(getattr(self, name), f"PlannerInfo: {name}", bool, "True or False")
-        if isinstance(self.needs, str) or not all(isinstance(need, str) for need in self.needs):
+        if not isinstance(self.needs, (tuple, list, set, frozenset)) or not all(
+            isinstance(need, str) for need in self.needs
+        ):
             raise InputError(f"PlannerInfo: needs: expected a list of names of settings, got {self.needs!r}")
         object.__setattr__(self, "needs", tuple(self.needs))
         if self.foresight is not None and not callable(self.foresight):

@@ -13,7 +13,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import load_robot
 from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
-from bayeshunt.core.checks import check_whole
+from bayeshunt.core.checks import check_callable, check_whole
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
 from bayeshunt.core.protocols import World
@@ -49,6 +49,7 @@ def babble(
     """
     robot = load_robot(robot)
     check_whole(steps, "steps", 1)
+    check_callable(progress, "progress", "a function of a number")
     check_whole(seed, "seed", 0)
     physics = physics or PhysicsSettings()
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed]).spawn(2))

@@ -59,6 +59,7 @@ def test_many_distance_bins_are_warned_of_where_no_command_is_known(khepera_fram
         ("prey.sensor_range", 60, r"prey\.sensor_range: 60 m"),
         ("prey.turn_rate", 46, r"prey\.turn_rate: 46 rad/s.*degrees"),
         ("arenas.open.width", 1200, r"arenas\.open\.width: 1200 m"),
+        ("protocol.catch_distance", 100, r"protocol\.catch_distance: 100 bodies, and the prey starts at 5"),
     ],
 )
 def test_settings_in_other_units_are_warned_of_with_the_fix(key, value, says):

@@ -81,6 +81,7 @@ def save_results(
     write_text(path / SUMMARY_MARKDOWN, to_markdown(facts))
 
 
+@checked
 def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
     """Read the hunts of a results folder; settings, seed and fingerprint of the model in ``frame.attrs``.
 

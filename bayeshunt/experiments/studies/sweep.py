@@ -15,6 +15,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.preparation import check_planners
 from bayeshunt.experiments.protocol import learn_model
@@ -45,6 +46,7 @@ _CHANGE = re.compile(r"[+-]\d+(\.\d+)?%")
 Grid = Mapping[str, Sequence[Any]]
 
 
+@checked
 def sweep(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     grid: Grid | None = None,

@@ -11,6 +11,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
@@ -33,6 +34,7 @@ VARIED: dict[str, tuple[float, ...]] = {
 }
 
 
+@checked
 def tradeoff(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     vary: Mapping[str, Sequence[float]] | None = None,
