@@ -133,7 +133,7 @@ def _plausible(settings: Loaded, source: str) -> Loaded:
 
 
 def parse(kind: type[Kind], values: Any, source: str) -> Kind:
-    """Return ``values`` as settings of ``kind``; a ConfigError names ``source``, the key and the mend."""
+    """Return ``values`` as settings of ``kind``; a ConfigError names ``source``, the key and the fix."""
     try:
         return kind.model_validate(values)
     except ValidationError as error:

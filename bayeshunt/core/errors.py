@@ -36,7 +36,7 @@ class BayesHuntError(Exception):
 
 
 class InputError(BayesHuntError, ValueError):
-    """What the caller gave is wrong: the message names the place and the mend."""
+    """What the caller gave is wrong: the message names the place and the fix."""
 
 
 class ConfigError(InputError):

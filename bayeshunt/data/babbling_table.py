@@ -47,7 +47,7 @@ PROVENANCE_KEY = parquet.PROVENANCE_KEY
 
 _WHAT = "a babbling table"
 _MAKER = "bayeshunt babble"
-_MEND = f"give a table made by: {_MAKER}"
+_FIX = f"give a table made by: {_MAKER}"
 
 
 def discretise(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes) -> np.ndarray:
@@ -130,7 +130,7 @@ def load(path: str | os.PathLike[str]) -> pd.DataFrame:
     """
     check_source(path, _MAKER, DataError)
     name = os.fspath(path)
-    table, record = parquet.read(path, what=_WHAT, mend=_MEND)
+    table, record = parquet.read(path, what=_WHAT, fix=_FIX)
     frame: pd.DataFrame = table.to_pandas()
     validate(frame, source=name)
     frame.attrs[PROVENANCE_KEY] = record or {}
@@ -147,7 +147,7 @@ class Batches:
         """Open the file; raises DataError if it is missing, is not Parquet or is damaged."""
         check_source(path, _MAKER, DataError)
         self.name = os.fspath(path)
-        self._reader = parquet.Reader(path, what=_WHAT, mend=_MEND)
+        self._reader = parquet.Reader(path, what=_WHAT, fix=_FIX)
         self.rows: int = self._reader.rows
         self.provenance: dict[str, Any] = self._reader.record or {}
 

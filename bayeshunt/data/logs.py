@@ -87,7 +87,7 @@ def read_table(path: str | os.PathLike[str], reader: str | None = None) -> pd.Da
     if kind not in ("", "text", "parquet"):
         raise InputError(f"unknown reader {reader!r}: expected text, parquet or ros")
     if kind == "parquet" or ending in (".parquet", ".pq"):
-        table: pd.DataFrame = parquet.read(path, what="a log", mend=f"give {_EXPECTED}")[0].to_pandas()
+        table: pd.DataFrame = parquet.read(path, what="a log", fix=f"give {_EXPECTED}")[0].to_pandas()
         table.columns = pd.Index([str(name) for name in table.columns])
         return table
     return read_text_table(path, _EXPECTED)

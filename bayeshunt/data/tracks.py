@@ -285,7 +285,7 @@ def save(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:
 
 def load(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Read tracks written by :func:`save`, or any Parquet with id, time, x, y in SI units; DataError else."""
-    table, record = parquet.read(path, what=_EXPECTED, mend=_FIX)
+    table, record = parquet.read(path, what=_EXPECTED, fix=_FIX)
     frame: pd.DataFrame = table.to_pandas()
     validate(frame, os.fspath(path))
     frame.attrs[parquet.PROVENANCE_KEY] = record or {}

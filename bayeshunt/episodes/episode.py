@@ -105,12 +105,12 @@ class Episode:
         Files of versions that wrote no checksums are read as they are.
         """
         check_source(path, _MAKER, DataError)
-        mend = f"give a file made by: {_MAKER} --out"
-        table, record = parquet.read(path, what="an episode", mend=mend)
+        fix = f"give a file made by: {_MAKER} --out"
+        table, record = parquet.read(path, what="an episode", fix=fix)
         try:
             if record is None or record["kind"] != _KIND:
                 raise KeyError("kind")
             trail = pd.DataFrame(record.pop("trail"), columns=list(_TRAIL))
             return cls(record["caught"], record["time"], _typed(table.to_pandas()), trail, record)
         except (ValueError, KeyError, TypeError):  # they speak of Python
-            raise DataError(f"{os.fspath(path)}: not an episode, or damaged; {mend}") from None
+            raise DataError(f"{os.fspath(path)}: not an episode, or damaged; {fix}") from None

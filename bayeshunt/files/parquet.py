@@ -58,15 +58,15 @@ def write_groups(
             writer.write_table(group.replace_schema_metadata(schema.metadata), row_group_size=ROW_GROUP)
 
 
-def read(path: str | os.PathLike[str], *, what: str, mend: str) -> tuple[Any, dict[str, Any] | None]:
+def read(path: str | os.PathLike[str], *, what: str, fix: str) -> tuple[Any, dict[str, Any] | None]:
     """Return the whole Arrow table and its record (None if it has none).
 
-    what: what the file should be, for the error. mend: what to do if it is not.
+    what: what the file should be, for the error. fix: what to do if it is not.
     Raises DataError in one line if the file cannot be read or is damaged.
     """
     import pyarrow as pa
 
-    reader = Reader(path, what=what, mend=mend)
+    reader = Reader(path, what=what, fix=fix)
     tables = list(reader)
     return pa.concat_tables(tables) if tables else reader.schema.empty_table(), reader.record
 
@@ -78,10 +78,10 @@ class Reader:
     rows: number of rows. schema: Arrow's.
     """
 
-    def __init__(self, path: str | os.PathLike[str], *, what: str, mend: str) -> None:
-        self._name, self._what, self._mend = os.fspath(path), what, mend
+    def __init__(self, path: str | os.PathLike[str], *, what: str, fix: str) -> None:
+        self._name, self._what, self._mend = os.fspath(path), what, fix
         if not Path(path).is_file():
-            raise DataError(f"{self._name}: no such file; {mend}")
+            raise DataError(f"{self._name}: no such file; {fix}")
         with self._reporting():
             import pyarrow.parquet as pq
 
@@ -124,8 +124,8 @@ class Reader:
 class _Reporting:
     """Turn whatever a damaged file provokes into one DataError."""
 
-    def __init__(self, problem: str, mend: str) -> None:
-        self.problem, self.mend = problem, mend
+    def __init__(self, problem: str, fix: str) -> None:
+        self.problem, self.fix = problem, fix
 
     def __enter__(self) -> None:
         return None
@@ -136,7 +136,7 @@ class _Reporting:
         expected = (pa.ArrowException, OSError, ValueError, KeyError, TypeError, OverflowError, MemoryError)
         if isinstance(error, expected) and not isinstance(error, DataError):
             reason = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
-            raise DataError(f"{self.problem} ({reason}); {self.mend}") from None
+            raise DataError(f"{self.problem} ({reason}); {self.fix}") from None
 
 
 def digest(table: Any) -> str:

@@ -38,8 +38,8 @@ def test_numbers():
 def test_radians_are_at_most_a_turn():
     for angle in (0, 1, 6.0, -2 * np.pi, 2 * np.pi, 6.2832):
         assert check_radians(angle, "x") == angle
-    for degrees, mend in ((57, "0.9948"), (-6.3, "-0.11"), (360.0, "6.283")):
-        refused(lambda value=degrees: check_radians(value, "x"), f"^x: expected radians .* got .*, give {mend} ")
+    for degrees, fix in ((57, "0.9948"), (-6.3, "-0.11"), (360.0, "6.283")):
+        refused(lambda value=degrees: check_radians(value, "x"), f"^x: expected radians .* got .*, give {fix} ")
     refused(lambda: check_radians(float("nan"), "x"), "^x: expected a finite number of radians, got nan$")
 
 

@@ -17,7 +17,7 @@ from bayeshunt.models.counting.streaming import count_tables, open_tables
 
 
 def reader(path):
-    return parquet.Reader(path, what="a table", mend="make it again")
+    return parquet.Reader(path, what="a table", fix="make it again")
 
 
 def test_the_digest_is_of_the_values_not_of_their_layout():
@@ -72,7 +72,7 @@ def test_missing_row_groups_are_noticed(tmp_path):
 def test_files_of_others_are_read_as_they_are(tmp_path, metadata):
     table = pa.table({"a": [1.0, 2.0]}).replace_schema_metadata(metadata)
     pq.write_table(table, tmp_path / "t.parquet")
-    found, record = parquet.read(tmp_path / "t.parquet", what="a table", mend="")
+    found, record = parquet.read(tmp_path / "t.parquet", what="a table", fix="")
     assert found.column("a").to_pylist() == [1.0, 2.0]
     assert record == ({"seed": 1} if metadata else None)
 

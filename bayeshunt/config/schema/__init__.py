@@ -1,7 +1,7 @@
 """Typed, frozen settings of robots, prey, arenas and protocols, read from TOML.
 
 Every key has a unit, a range and a default here, and nowhere else. A wrong key or value is a
-:class:`~bayeshunt.core.errors.ConfigError` of one line that names the file, the key and the mend.
+:class:`~bayeshunt.core.errors.ConfigError` of one line that names the file, the key and the fix.
 """
 
 from bayeshunt.config.schema.arena import ArenaSettings

@@ -54,7 +54,7 @@ class ParquetReader:
 
     def read(self, path: Path, *, columns: Mapping[str, str], keypoint: str | None) -> Found:
         """Read the file; see :class:`bayeshunt.data.readers.registry.TrackReader`."""
-        table, _ = parquet.read(path, what="a table of tracks", mend="give a file of tracks")
+        table, _ = parquet.read(path, what="a table of tracks", fix="give a file of tracks")
         return _tidy(table.to_pandas(), str(path), columns, keypoint)
 
 

@@ -90,10 +90,10 @@ def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
     path = Path(folder) / HUNTS_FILE
     if not path.is_file():
         raise DataError(_missing(Path(folder)))
-    mend = "move it away and give the evaluate line again, or give another results folder"
-    table, record = parquet.read(path, what="results", mend=mend)
+    fix = "move it away and give the evaluate line again, or give another results folder"
+    table, record = parquet.read(path, what="results", fix=fix)
     if record is None or record.get("kind") != _KIND:
-        raise DataError(f"{path}: cannot be read as results (another kind of file); {mend}")
+        raise DataError(f"{path}: cannot be read as results (another kind of file); {fix}")
     frame = table.to_pandas()
     frame.attrs = record
     return frame

@@ -159,10 +159,10 @@ def _join(shards: Sequence[Shard], record: dict[str, Any], path: str | os.PathLi
 
 def _reader(shard: Shard, record: dict[str, Any]) -> parquet.Reader:
     """Open a shard's file; DataError if it is damaged or of another table."""
-    mend = "remove it and give the command again"
-    reader = parquet.Reader(shard.path, what="a shard of the table", mend=mend)
+    fix = "remove it and give the command again"
+    reader = parquet.Reader(shard.path, what="a shard of the table", fix=fix)
     if reader.record != _shard_record(record, shard) or reader.rows != shard.rows:
-        raise DataError(f"{shard.path} is a shard of another table; {mend}, or choose another name for the table")
+        raise DataError(f"{shard.path} is a shard of another table; {fix}, or choose another name for the table")
     return reader
 
 

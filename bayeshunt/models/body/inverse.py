@@ -303,5 +303,5 @@ def _targets(samples: Any) -> tuple[Any, Any]:
 def _impossible(d: float, a: float, h: float | None) -> str:
     asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g}°"
     asked += "" if h is None else f", Heading = {math.degrees(h):g}°"
-    mend = "leave out --no-snap (snap=False) to get the nearest learned cell"
-    return f"P({asked}) = 0 under this model: no gait does that; {mend}"
+    fix = "leave out --no-snap (snap=False) to get the nearest learned cell"
+    return f"P({asked}) = 0 under this model: no gait does that; {fix}"

@@ -92,7 +92,7 @@ class IndependentEffects:
     """The paper's model: Distance, Angle and Heading independent given the gait; read-only."""
 
     def __init__(self, joint: JointCounts, prior: float) -> None:
-        self.local = _sealed({e: statistics.normalise(joint.marginal(e), prior, name=e) for e in EFFECTS})
+        self.local = _read_only({e: statistics.normalise(joint.marginal(e), prior, name=e) for e in EFFECTS})
 
     @classmethod
     def of_tables(cls, local: dict[str, np.ndarray]) -> IndependentEffects:
@@ -164,7 +164,7 @@ class JointEffects:
         sizes: Sequence[int],
         shares: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        self.local, names = _sealed(local), ("Gait", *EFFECTS)
+        self.local, names = _read_only(local), ("Gait", *EFFECTS)
         self.joint = multiply(structure, local, names, dict(zip(names, sizes, strict=True)), shares)  # [G, D, A, H]
         if np.abs(self.joint.sum(axis=(1, 2, 3)) - 1.0).max() > 1e-9:
             raise ZeroCountError(
@@ -224,7 +224,7 @@ class JointEffects:
         return _cdf(distance_angle.sum(axis=2)), _cdf(distance_angle), _cdf(self.joint)
 
 
-def _sealed(local: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _read_only(local: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The same tables, read-only."""
     for table in local.values():
         table.setflags(write=False)
