@@ -14,6 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import DependencyNotInstalled, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
+import bayeshunt as bh
 import bayeshunt.envs
 from bayeshunt.core.errors import ConfigError, InputError
 from bayeshunt.core.geometry import Polar
@@ -176,7 +177,8 @@ def test_steps_outside_of_an_episode():
 
 
 def test_a_prey_that_starts_within_reach_is_caught_at_once():
-    env = make(arena="open", overrides={"protocol.prey_distance": 1.0})
+    with pytest.warns(bh.DataWarning, match="ends before its first decision"):
+        env = make(arena="open", overrides={"protocol.prey_distance": 1.0})
     infos, rewards, ended = episode(env, lambda seen: 0)
     assert (ended, rewards, infos[-1]["gaits"]) == ((True, False), [0.0], 0)
 
