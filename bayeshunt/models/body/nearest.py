@@ -2,7 +2,7 @@
 
 Seen from the robot, the learned cells of one angle bin lie on a ray. Of a ray the nearest cell is one of the two on
 either side of the target's foot on it, so a few cells of each ray are all that can answer. The plane is cut into
-buckets, and what can answer somewhere in a bucket is worked out when one of its points is first asked: the foot of
+buckets, and what can answer somewhere in a bucket is worked out when its points are asked again: the foot of
 a bucket on a ray lies between those of its corners, and a cell beaten by another at every corner of a convex hull is
 beaten inside, because which of two centres is nearer is an affine question. Nearly all buckets keep one or two cells.
 Letters: M learned cells, A rays (angle bins), B buckets, P pairs of a bucket and a cell, N targets.
@@ -66,6 +66,7 @@ class CellFinder:
         self._codes = np.zeros(self._ring_count * self._sectors, dtype=np.int64)
         self._lists: list[np.ndarray] = []
         self._entries: dict[int, int | list[_Candidate]] = {}
+        self._asked: set[int] = set()  # buckets that one single target has lain in
         self._own = np.zeros(distance.bins * angle.bins, dtype=np.int32)  # index + 1 of the cell in these bins
         self._own[cells[:, 0] * angle.bins + cells[:, 1]] = np.arange(1, len(cells) + 1)
 
@@ -98,6 +99,9 @@ class CellFinder:
         key = ring * self._sectors + math.floor(a_bins * self._per_angle) % self._sectors
         found = self._entries.get(key)
         if found is None:
+            if key not in self._asked:  # to work out a bucket costs more than to look at every cell once
+                self._asked.add(key)
+                return self._of_all(d, a)
             found = self._entry(key)
         if isinstance(found, int):
             return found
@@ -109,6 +113,11 @@ class CellFinder:
         scores = [square - x * x2 - y * y2 for square, x2, y2, _ in found]
         limit = min(scores) + slack
         return next(c.cell for c, score in zip(found, scores, strict=True) if score <= limit)
+
+    def _of_all(self, d: float, a: float) -> int:
+        """Return what :meth:`nearest` does by comparing all cells."""
+        scores = self._square - d * math.cos(a) * self._twice_x - d * math.sin(a) * self._twice_y
+        return int(np.argmax(scores <= scores.min() + _TIE * self._radius * (self._radius + d)))
 
     def find_many(self, d: np.ndarray, a: np.ndarray) -> np.ndarray:
         """Return int64 [N]: the cell that each target uses, its own or else the nearest. d [m], a [rad] finite."""
