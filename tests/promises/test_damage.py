@@ -227,7 +227,7 @@ def look(folder, intact):
 
 
 def test_settings_files(tmp_path, figure):
-    text = (resources.files("bayeshunt") / "presets" / "paper.toml").read_bytes()
+    text = (resources.files("bayeshunt") / "config" / "presets" / "paper.toml").read_bytes()
     path = tmp_path / "paper.toml"
     path.write_bytes(text)
     mine = load_experiment(path)

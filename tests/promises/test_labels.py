@@ -29,7 +29,8 @@ def fitted(names, tmp_path):
     frame = babbled(400, 3)
     frame["gait"] = frame["gait"].map(dict(zip(WHEELS, names, strict=True)))
     babbling_table.save(frame, tmp_path / "b.parquet")
-    gaits = GaitRepertoire(tuple(Gait(n, w) for n, w in zip(names, WHEELS.values(), strict=True)))
+    chosen = tuple(Gait(n, w) for n, w in zip(names, WHEELS.values(), strict=True))
+    gaits = GaitRepertoire(chosen, body_length=0.057, duration=3.328)
     return ForwardModel.fit(babbling_table.load(tmp_path / "b.parquet"), gaits, prior=0.3)
 
 
