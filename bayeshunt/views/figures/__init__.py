@@ -17,6 +17,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan
 from bayeshunt.views.figures.alt import described
+from bayeshunt.views.figures.assessment import reliability
 from bayeshunt.views.figures.experiments import experiment, setup, success
 from bayeshunt.views.figures.models import gait_outcomes, network, prey, prey_table, prey_transition
 from bayeshunt.views.figures.plans import planning_step, search_tree
@@ -24,7 +25,7 @@ from bayeshunt.views.figures.style import save
 
 __all__ = [
     "described", "experiment", "gait_outcomes", "network", "paper_figures", "planning_step", "prey", "prey_table",
-    "prey_transition", "save", "save_all", "search_tree", "setup", "success",
+    "prey_transition", "reliability", "save", "save_all", "search_tree", "setup", "success",
 ]  # fmt: skip
 
 #: The paper's figure of each experiment; other combinations are called after planner and arena only.
