@@ -74,6 +74,7 @@ def hunt(
             "time": episode.time,
             "decisions": len(episode.frame),
             "gaits": episode.frame["gait"].tolist(),
+            **{name: episode.provenance[name] for name in ("energy", "changes", "falls") if episode.spent},
         }
         files = {"out": out, "replay": replay}
         typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))

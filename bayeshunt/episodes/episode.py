@@ -45,9 +45,11 @@ class Episode:
         Lists: ``predicted_*`` and ``planned_*`` are the prey and the hunter 0..T steps ahead as the
         hunter sees them (a heading is NaN where only the place is predicted);
         ``alternative_values`` the least value under each of ``alternative_gaits``;
-        ``prey_table`` the prey's [distance, angle, heading, count] per cell seen.
+        ``prey_table`` the prey's [distance, angle, heading, count] per cell seen. Of a body that measures what it
+        spends also ``energy`` [J] and ``falls``, up to the decision.
     trail: both robots' world poses every control interval.
-    provenance: settings, planner, arena, theta, seed: what makes the hunt again.
+    provenance: settings, planner, arena, theta, seed: what makes the hunt again; of a body that measures what it
+        spends also its ``energy`` [J], ``falls`` and ``changes`` of gait in all.
     plans: the plans themselves, step by step; empty for an episode read from a file.
     """
 
@@ -65,6 +67,11 @@ class Episode:
     ) -> Episode:
         """Build an episode from its steps, its recorded moments and its result."""
         frame = _typed(pd.DataFrame([step.values for step in steps]))
+        spent: dict[str, Any] = {}
+        if result.energy:
+            spent = {"energy": float(result.energy), "falls": result.falls, "changes": result.transitions}
+        else:  # what does not measure what it spends does not know when it falls either
+            frame = frame.drop(columns=["energy", "falls"], errors="ignore")
         path = pd.DataFrame(
             [(m.time, *m.poses["hunter"], *m.poses["prey"]) for m in trail],
             columns=list(_TRAIL),
@@ -73,6 +80,7 @@ class Episode:
             "kind": _KIND,
             "caught": bool(result.caught),
             "time": float(result.time),
+            **spent,
             **origin,
             "settings": settings.model_dump(mode="json"),
         }
@@ -88,6 +96,14 @@ class Episode:
 
     def _repr_html_(self) -> str | None:
         return displays.to_html(self)
+
+    @property
+    def spent(self) -> str:
+        """What the hunter spent, for people: energy, changes of gait and falls; "" if its body does not measure it."""
+        if "energy" not in self.provenance:
+            return ""
+        energy, changes, falls = (self.provenance[name] for name in ("energy", "changes", "falls"))
+        return f"{energy:.1f} J, {changes} changes of gait, {falls} falls"
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table, the trail and the provenance as one Parquet file with checksums, replaced atomically."""

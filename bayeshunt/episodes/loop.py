@@ -52,7 +52,8 @@ def hunt(
     for situation, plan in _decide(running, planner):
         # The prey model goes on learning: the record keeps what was known at this decision.
         situation = replace(situation, prey_model=running.prey_model.copy())
-        steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed))
+        spent = running.trial.energy, running.trial.falls
+        steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed, spent))
         running.step(plan.gait)
         trail.extend(running.moments)
     return Episode.assemble(

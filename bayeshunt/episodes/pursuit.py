@@ -35,7 +35,8 @@ class Result(NamedTuple):
 
     caught: whether the prey was caught. time: seconds to the catch, the time limit if missed.
     decisions: gaits chosen. transitions: changes of gait. distance: metres travelled by the
-    hunter, as the sum of straight lines between decisions.
+    hunter, as the sum of straight lines between decisions. energy: joules that it spent, 0 if its body
+    does not know. falls: how often it fell.
     """
 
     caught: bool
@@ -43,6 +44,8 @@ class Result(NamedTuple):
     decisions: int
     transitions: int
     distance: float
+    energy: float = 0.0
+    falls: int = 0
 
 
 class Pursuit:
@@ -145,8 +148,8 @@ class Pursuit:
     @property
     def result(self) -> Result:
         """How the hunt ended (or stands)."""
-        trial = self.trial
-        return Result(trial.caught, trial.time, self._perceiver.steps, self._changes, trial.distance)
+        trial, steps = self.trial, self._perceiver.steps
+        return Result(trial.caught, trial.time, steps, self._changes, trial.distance, trial.energy, trial.falls)
 
 
 def _prey_axes(settings: ExperimentSettings) -> EffectAxes:

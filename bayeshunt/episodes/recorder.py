@@ -24,8 +24,14 @@ class Step(NamedTuple):
     situation: Situation
 
     @classmethod
-    def of(cls, step: int, moment: Moment, situation: Situation, plan: Plan, observed: Polar | None) -> Step:
-        """Summarise a decision; ``observed`` is the prey transition learned just before it."""
+    def of(
+        cls, step: int, moment: Moment, situation: Situation, plan: Plan, observed: Polar | None,
+        spent: tuple[float, int] = (0.0, 0),
+    ) -> Step:  # fmt: skip
+        """Summarise a decision; ``observed`` is the prey transition learned just before it.
+
+        spent: the hunter's energy [J] and falls so far.
+        """
         target = plan.target if plan.target is not None else Polar(np.nan, np.nan, np.nan)
         seen = observed if observed is not None else Polar(np.nan, np.nan, np.nan)
         learned: Any = situation.prey_model
@@ -57,6 +63,8 @@ class Step(NamedTuple):
             **_path("planned", _planned_path(plan)),
             **_alternatives(plan),
             "prey_table": [list(map(float, row)) for row in learned.cells()],
+            "energy": float(spent[0]),
+            "falls": int(spent[1]),
         }
         return cls(values, plan, situation)
 

@@ -39,6 +39,11 @@ class Trial:
         self.distance = self.energy = 0.0
 
     @property
+    def falls(self) -> int:
+        """How often the hunter fell so far."""
+        return self.world.bodies[HUNTER].falls
+
+    @property
     def time_left(self) -> float:
         """Seconds in whole physics steps until the time limit, which a catch must not outlast; at least one in all."""
         step = self.settings.physics.step

@@ -60,7 +60,9 @@ def summarise(results: pd.DataFrame, settings: ExperimentSettings) -> list[dict[
     """Return one row per planner, arena and bearing, and one with ``theta`` None for their total.
 
     results: one row per hunt, as :func:`bayeshunt.evaluate` returns it. Times of missed hunts
-    count as the time limit. ``paper_success`` is the published share, or None where none was published.
+    count as the time limit. ``paper_success`` is the published share, or None where none was published. Of a body
+    that measures what it spends also ``mean_energy_j`` [J], its 95 % interval ``energy_low``, ``energy_high``,
+    ``mean_changes`` of gait and ``mean_falls`` of a hunt.
     """
     settings = as_evaluated(results, settings)
     rows = []
@@ -109,4 +111,14 @@ def _row(
         "ci_high": high,
         "mean_time_s": math.fsum(hunts["time"]) / runs,
         "paper_success": None if published is None else published.share,
+        **(_spent(hunts) if "energy" in hunts else {}),
     }
+
+
+def _spent(hunts: pd.DataFrame) -> dict[str, float]:
+    low, high = mean_interval(hunts["energy"])
+    means = {name: math.fsum(hunts[name]) / len(hunts) for name in ("energy", "transitions", "falls")}
+    return {
+        "mean_energy_j": means["energy"], "energy_low": low, "energy_high": high,
+        "mean_changes": means["transitions"], "mean_falls": means["falls"],
+    }  # fmt: skip

@@ -207,7 +207,8 @@ def test_a_damaged_row_is_run_again_and_said(small, tmp_path):
     [
         ("UPDATE about SET value = replace(value, '4', '5') WHERE key = 'identity'", "does not match its checksum"),
         ("CREATE TRIGGER t AFTER INSERT ON hunts BEGIN DELETE FROM hunts; END", "does not match its checksum"),
-        ("UPDATE about SET value = '2' WHERE key = 'format'", "format '2', this version reads 1"),
+        ("UPDATE about SET value = '3' WHERE key = 'format'", "format '3', this version reads 2"),
+        ("UPDATE about SET value = '1' WHERE key = 'format'", "hunts of an earlier version"),
         ("UPDATE about SET value = 'x' WHERE key = 'kind'", "not a database of hunts"),
     ],
 )

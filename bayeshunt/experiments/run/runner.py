@@ -65,8 +65,9 @@ def evaluate(
     say: called with a line of news, for example that damaged rows are run again.
 
     Columns: planner, arena, theta [rad], run, seed (of that hunt), caught, time [s, the limit if
-    missed], decisions, transitions, distance [m]. The same seed gives the same table at any ``jobs``,
-    with any ``scheduler``, and after any number of interruptions.
+    missed], decisions, transitions (changes of gait), distance [m]; energy [J] and falls of a body that measures
+    what it spends. The same seed gives the same table at any ``jobs``, with any ``scheduler``, and after any
+    number of interruptions.
     ``frame.attrs`` holds the ``settings`` used, the ``seed``, the fingerprint of the ``model`` (None: imported)
     and its ``structure``.
 
@@ -223,6 +224,8 @@ def results_frame(
         [(*task, *ended[number]) for number, task in enumerate(tasks)], columns=[*HuntTask._fields, *Result._fields]
     )
     frame["caught"] = frame["caught"].astype(bool)
+    if not frame["energy"].any():  # a body that does not measure what it spends does not know when it falls either
+        frame = frame.drop(columns=["energy", "falls"])
     frame.attrs = {"settings": settings.model_dump(mode="json"), "seed": int(seed)}
     return frame
 

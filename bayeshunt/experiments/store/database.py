@@ -26,18 +26,19 @@ from bayeshunt.experiments.store.identity import Identity
 
 DATABASE_FILE = "hunts.sqlite"
 KIND = "bayeshunt hunts"
-FORMAT = 1
+FORMAT = 2
+_OLDER = ("1",)  # without energy and falls
 
 _SCHEMA = {
     "about": "CREATE TABLE about (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
     "hunts": (
         "CREATE TABLE hunts (number INTEGER PRIMARY KEY, planner TEXT, arena TEXT, theta REAL, run INTEGER, "
         "seed INTEGER, caught INTEGER, time REAL, decisions INTEGER, transitions INTEGER, distance REAL, "
-        "ended REAL, checksum INTEGER)"
+        "energy REAL, falls INTEGER, ended REAL, checksum INTEGER)"
     ),
     "sessions": "CREATE TABLE sessions (started REAL, process INTEGER, host TEXT)",
 }
-_INSERT = "INSERT OR IGNORE INTO hunts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+_INSERT = "INSERT OR IGNORE INTO hunts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 _WAIT = 60.0  # seconds to wait for another writer; a commit takes well under a millisecond
 
 #: What the operating system or another process is in the way of; anything else is damage.
@@ -45,6 +46,10 @@ _OBSTACLES = {
     sqlite3.SQLITE_FULL, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_IOERR,
     sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED, sqlite3.SQLITE_PERM,
 }  # fmt: skip
+
+
+class _OlderFormatError(Exception):
+    """A sound database of an earlier version."""
 
 
 class Numbered(NamedTuple):
@@ -156,7 +161,7 @@ class HuntDatabase(Writer):
         with _reporting(self.path):
             for row in self._connection.execute("SELECT * FROM hunts ORDER BY number"):
                 if row[-1] == _row_checksum(row[:-1], self._sink.salt):
-                    caught, *rest = row[6:11]
+                    caught, *rest = row[6:-2]
                     good[row[0]] = Result(bool(caught), *rest)
                 else:
                     damaged.append(row[0])
@@ -238,6 +243,8 @@ def _checked_about(connection: sqlite3.Connection) -> dict[str, str]:
     about = dict(connection.execute("SELECT key, value FROM about").fetchall()) if "about" in schema else {}
     if about.get("kind") != KIND:
         raise ValueError("not a database of hunts")
+    if about.get("format") in _OLDER:
+        raise _OlderFormatError
     if about.get("format") != str(FORMAT):
         raise ValueError(f"format {about.get('format')!r}, this version reads {FORMAT}")
     if schema != _SCHEMA or about.pop("checksum", None) != _checksum(about):
@@ -268,6 +275,11 @@ def _reporting(path: str | os.PathLike[str]) -> Iterator[None]:
         yield
     except BayesHuntError:
         raise
+    except _OlderFormatError:
+        raise ResultsError(
+            f"{os.fspath(path)}: hunts of an earlier version, which kept no energy and falls; go on with that version "
+            f"of bayeshunt, or use another folder (what has ended is readable in hunts.parquet)"
+        ) from None
     except (sqlite3.Error, ValueError, KeyError, TypeError, OverflowError) as error:
         reason = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
         code = getattr(error, "sqlite_errorcode", None)

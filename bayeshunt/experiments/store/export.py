@@ -137,6 +137,7 @@ def check_same_export(folder: Path, settings: ExperimentSettings, asked: Identit
 
 def to_markdown(facts: dict[str, Any]) -> str:
     """Return the summary as a Markdown document: totals, then per bearing."""
+    measured = any("mean_energy_j" in row for row in facts["rows"])
     lines = [f"# {facts['experiment']}: success and catch time", ""]
     if facts["note"]:
         lines += [facts["note"], ""]
@@ -144,8 +145,9 @@ def to_markdown(facts: dict[str, Any]) -> str:
         f"Seed {facts['seed']}, bayeshunt {facts['version']}. "
         "Intervals are 95 % Wilson; a miss counts as the time limit.",
         "",
-        "| planner | arena | theta [rad] | runs | caught | success | 95 % interval | mean time [s] | paper |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+        "| planner | arena | theta [rad] | runs | caught | success | 95 % interval | mean time [s] | paper |"
+        + (" energy [J] | changes | falls |" if measured else ""),
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |" + (" --- | --- | --- |" if measured else ""),
     ]
     totals = [row for row in facts["rows"] if row["theta"] is None]
     bearings = [row for row in facts["rows"] if row["theta"] is not None]
@@ -181,4 +183,8 @@ def _markdown_row(row: dict[str, Any], facts: dict[str, Any]) -> str:
     return (
         f"| {row['planner']}{mark} | {row['arena']} | {theta} | {row['runs']} | {row['caught']} | {row['success']:.2%} "
         f"| {row['ci_low']:.2%} to {row['ci_high']:.2%} | {row['mean_time_s']:.2f} | {paper} |"
+    ) + (
+        f" {row['mean_energy_j']:.2f} | {row['mean_changes']:.2f} | {row['mean_falls']:.2f} |"
+        if "mean_energy_j" in row
+        else ""
     )

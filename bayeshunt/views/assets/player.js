@@ -217,6 +217,7 @@ class Player {
       ["prey seen", `${polar(step.seen)}, heading ${degrees(step.seen[2])}`, "seen"],
       ["aims at", step.target ? polar(step.target) : "no single point", "target"],
       ["prey model", step.known ? "used" : step.observations ? "not asked" : "empty: nothing seen yet", "known"],
+      ...(step.energy === null ? [] : [["spent so far", `${step.energy.toFixed(1)} J`, "energy"], ["falls so far", String(step.falls), "falls"]]),
     ]);
     this.showBars(step);
     this.showPlan(step);

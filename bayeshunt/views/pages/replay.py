@@ -84,6 +84,7 @@ def replay_data(
         "planner": planner, "arena": arena, "theta": theta, "seed": str(seed),
         "caught": episode.caught,
         "outcome": f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s",
+        "spent": episode.spent,
         "radius": [settings.robot.body.body_length / 2, settings.prey.body.diameter / 2],
         "legs": [[round(v, 4) for v in leg] for leg in legs_at_rest(settings.robot.body)],
         "walls": [place.width, place.height] if place.walled else None,
@@ -132,6 +133,7 @@ def _step(
         "aimed": _aimed(predicted, target),
         "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
         "bars": _bars(row, settings),
+        "energy": number(row["energy"]) if "energy" in row else None, "falls": int(row.get("falls", 0)),
     }  # fmt: skip
 
 

@@ -104,6 +104,7 @@ def report_facts(
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],
+        "measured": "energy" in results,
         "shelves": shelves,
         "command": evaluate_command(settings, planners, arenas, seed, model=model_path),
         "settings_file": SETTINGS_FILE if preset_of(settings) is None else None,
@@ -136,6 +137,8 @@ def _pace(results: pd.DataFrame, shelf: Shelf) -> dict[str, Any]:
         "speed": float(hunts["distance"].sum() / hunts["time"].sum()) if hunts["time"].sum() > 0 else None,
         "decisions": float(hunts["decisions"].mean()),
         "transitions": float(hunts["transitions"].mean()),
+        "energy": float(hunts["energy"].mean()) if "energy" in hunts else None,
+        "falls": float(hunts["falls"].mean()) if "falls" in hunts else None,
         "decision_ms": 1000 * float(np.median(seconds)) if seconds else None,
         "measured": len(seconds),
     }  # fmt: skip

@@ -132,6 +132,7 @@ def episode(shown: Episode) -> Sheet:
     """Return how a hunt went: its outcome, both paths, a row per decision."""
     origin = shown.provenance
     ending = f"caught after {shown.time:.2f} s" if shown.caught else f"not caught in {shown.time:g} s"
+    ending += f"; {shown.spent}" if shown.spent else ""
     pairs: list[tuple[str, Any]] = [
         (name, _plain(origin[name])) for name in ("planner", "arena", "theta", "seed") if name in origin
     ]

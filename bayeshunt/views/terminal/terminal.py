@@ -66,8 +66,10 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     beside = ("paper %", "p" if tested else "diff") if printed else ()
     marked = facts.get("not_ab_initio", ())
     places = [folding("planner"), word("arena"), *([word("theta")] if per_theta else [])]
+    measured = any("mean_energy_j" in row for row in chosen)
+    spent = ("mean J", "changes", "falls") if measured else ()
     table = TextTable(
-        *places, "caught", "success %", "95 % interval", "mean s", *beside,
+        *places, "caught", "success %", "95 % interval", "mean s", *beside, *spent,
         title=f"{facts['experiment']}, seed {facts['seed']}",
     )  # fmt: skip
     previous = None
@@ -82,7 +84,7 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
             cells[-1] = tested.get((row["planner"], row["arena"], row["theta"]), "")
         cells[0] += " *" if row["planner"] in marked else ""
         shown = cells[:2] + cells[2 if per_theta else 3 : None if printed else -2]
-        table.row(*shown, style="bold" if total and per_theta else None)
+        table.row(*shown, *(_spent(row) if measured else ()), style="bold" if total and per_theta else None)
     table.print(out)
     for line in reported.sentences(compared):
         out.print(line)
@@ -93,6 +95,12 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     if marked:
         out.print("* Not ab initio: given more than it learns within the run (a bound, or earlier runs).", style="dim")
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
+    if measured:
+        out.print("J, changes, falls: energy, changes of gait and falls, each the mean of a hunt.", style="dim")
+
+
+def _spent(row: dict[str, Any]) -> list[str]:
+    return [f"{row['mean_energy_j']:.1f}", f"{row['mean_changes']:.1f}", f"{row['mean_falls']:.2f}"]
 
 
 def status_table(found: Any) -> None:
@@ -135,7 +143,7 @@ def episode_table(episode: Any) -> None:
             "aims at: distance of the place it makes for; who predicts makes for one some steps ahead.", style="dim"
         )
     ending = f"caught after {episode.time:.2f} s" if episode.caught else f"not caught in {episode.time:g} s"
-    out.print(ending, style="bold")
+    out.print(f"{ending}; {episode.spent}" if episode.spent else ending, style="bold")
 
 
 def settings_table(rows: list[dict[str, Any]]) -> None:
