@@ -85,8 +85,9 @@ def _begin(
     settings: ExperimentSettings, planner: Planner, arena: str, theta: float, seed: int, prey_model: TargetModel | None
 ) -> Pursuit:
     check_can_plan(planner, named=False)  # an evaluation knows it by the name it is registered under
-    check_robot(planner, settings.robot.gaits, settings.robot.name)
-    return Pursuit(settings, arena, theta, seed, prey_model=prey_model, foresight=foresight_of(planner))
+    running = Pursuit(settings, arena, theta, seed, prey_model=prey_model, foresight=foresight_of(planner))
+    check_robot(planner, running.gaits, settings.robot.name)
+    return running
 
 
 def _decide(running: Pursuit, planner: Planner) -> Iterator[tuple[Situation, Plan]]:

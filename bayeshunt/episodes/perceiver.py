@@ -58,7 +58,10 @@ class Perceiver:
 
         Raises InputError for a pose that is not of finite numbers or a time that does not go on.
         """
-        observation = self._observe(own_pose, seen, self._clock(time))
+        return self.consider(self._observe(own_pose, seen, self._clock(time)), future)
+
+    def consider(self, observation: Observation, future: Future | None = None) -> Situation:
+        """Return what is known after ``observation``, which is in the odometry frame as every sensor's is."""
         self._believe(observation)
         assert self.belief is not None
         self.observation = observation

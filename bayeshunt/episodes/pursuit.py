@@ -79,7 +79,11 @@ class Pursuit:
         )
         self._sensor = make_sensor(sensing.sensor, context, sensing.sensor_settings)
         tracker = make_tracker(sensing.tracker, context, sensing.tracker_settings)
-        known = make_prey_model(settings.prey.model, _prey_axes(settings)) if prey_model is None else prey_model.copy()
+        known = (
+            make_prey_model(settings.prey.model, _prey_axes(settings, self.gaits))
+            if prey_model is None
+            else prey_model.copy()
+        )
         self._perceiver = Perceiver(self.gaits, tracker, known, self.trial.task, rng=streams["belief"])
         self._run = Run((self.trial.moment,))
         self._situation: Situation | None = None
@@ -92,7 +96,7 @@ class Pursuit:
             trial = self.trial
             seen = self._sensor.sense(self._run, trial.world.map, rng=self._sensor_rng)
             future = Future(*trial.future(self._foresight)) if self._foresight else None
-            self._situation = self._perceiver.perceive(seen.pose, seen, trial.moment.time, future=future)
+            self._situation = self._perceiver.consider(seen, future)
         return self._situation
 
     def step(self, gait: str | int | Gait, prey: Gait | None = None) -> None:
@@ -152,10 +156,10 @@ class Pursuit:
         return Result(trial.caught, trial.time, steps, self._changes, trial.distance, trial.energy, trial.falls)
 
 
-def _prey_axes(settings: ExperimentSettings) -> EffectAxes:
+def _prey_axes(settings: ExperimentSettings, gaits: GaitRepertoire) -> EffectAxes:
     model = settings.model
     return EffectAxes.standard(
-        settings.robot.gaits.need("body_length"),
+        gaits.need("body_length"),
         distance_bin=model.distance_bin,
         angle_bins=model.angle_bins,
         heading_bins=model.heading_bins,

@@ -17,16 +17,17 @@ Place = tuple[float, float, float]
 class Trail(Sequence[Moment]):
     """A sequence of moments, one for every :meth:`note`."""
 
-    __slots__ = ("_names", "_rows", "_step", "_unit")
+    __slots__ = ("_add", "_names", "_rows", "_step", "_unit")
 
     def __init__(self, names: Iterable[str], unit: float, step: float) -> None:
         """names: of the bodies. unit: metres per Box2D unit. step: seconds of a physics step."""
         self._names, self._unit, self._step = tuple(names), unit, step
         self._rows: list[tuple[int, list[Place]]] = []
+        self._add = self._rows.append
 
     def note(self, steps: int, places: list[Place]) -> None:
         """Add the moment of ``steps`` physics steps after the reset."""
-        self._rows.append((steps, places))
+        self._add((steps, places))
 
     def __len__(self) -> int:
         return len(self._rows)

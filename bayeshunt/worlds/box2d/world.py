@@ -84,18 +84,22 @@ class Box2DWorld:
             return Run(trail)
         begun, stopped, control = self._steps, False, self.physics.control_steps
         spent = {name: body.energy for name, body in self.bodies.items()}
+        phase, live = self._phase, self._live
         while remaining > 0 and not stopped:
-            if not self._phase:
-                places = self._look()
+            if not phase:
+                places = [(at.x, at.y, angle()) for at, angle in live]
                 if self._steps > begun:
                     trail.note(self._steps, places)
                 self._decide(steered, places)
-            taken = self._advance(min(control - self._phase, remaining))
-            stopped, taken = taken < 0, abs(taken)
-            self._phase = (self._phase + taken) % control
+            left = control - phase
+            taken = self._advance(left if left < remaining else remaining)
+            if taken < 0:
+                stopped, taken = True, -taken
+            phase = (phase + taken) % control
             self._steps += taken
             remaining -= taken
-        trail.note(self._steps, self._look())
+        self._phase = phase
+        trail.note(self._steps, [(at.x, at.y, angle()) for at, angle in live])
         energy = {name: body.energy - spent[name] for name, body in self.bodies.items()}
         return Run(trail, until.whom if until is not None and stopped else None, energy)
 
@@ -187,10 +191,6 @@ class Box2DWorld:
             self._phase = 0
             for body in self._drives:
                 body.placed = False
-
-    def _look(self) -> list[Place]:
-        """Where every body is, in their order."""
-        return [(at.x, at.y, angle()) for at, angle in self._live]
 
     def _decide(self, steered: Sequence[_Steered], places: list[Place]) -> None:
         """At the start of a control interval: new noise, and every prey decides."""
