@@ -43,10 +43,14 @@ def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
     return list(getattr(kind, "model_fields", {}))
 
 
+#: Groups whose description says what is in them.
+_SAID = ("published", "obstacles")
+
+
 def _describe(kind: type[BaseModel], prefix: str) -> Iterator[dict[str, Any]]:
     schema = kind.model_json_schema()["properties"]
     for name, info in kind.model_fields.items():
-        inner = None if name == "published" else _settings_inside(info.annotation)  # its description says them
+        inner = None if name in _SAID else _settings_inside(info.annotation)
         if inner is not None:
             many = "" if inner is info.annotation else "[]" if name == "gait" else ".<name>"
             yield from _describe(inner, f"{prefix}{name}{many}.")

@@ -58,6 +58,8 @@ class Canvas:
             left, top = self._pixel(-0.5 * width, 0.5 * height)
             size = round(width * self._scale), round(height * self._scale)
             self._pygame.draw.rect(self._surface, _WALL, ((left, top), size), width=3)
+        for obstacle in self._arena.obstacles:
+            self._pygame.draw.polygon(self._surface, _WALL, [self._pixel(*at) for at in obstacle.outline()])
         for name, (radius, colour) in self._radii.items():
             self._draw_robot(moment.poses[name], radius, colour)
 

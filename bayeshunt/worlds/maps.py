@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from bayeshunt.config.schema import ArenaSettings
+from bayeshunt.config.schema import ArenaSettings, ObstacleSettings
 from bayeshunt.core.messages import Ray
 from bayeshunt.core.protocols import Map
 
-__all__ = ["OpenMap", "Rectangle", "map_of"]
+__all__ = ["Obstructed", "OpenMap", "Rectangle", "map_of"]
 
 
 class OpenMap:
@@ -47,6 +49,38 @@ class Rectangle:
         return not (self.free(ray.x, ray.y) and self.free(ray.to_x, ray.to_y))
 
 
+@dataclass(frozen=True)
+class Obstructed:
+    """A map in which obstacles stand. ground: the map without them."""
+
+    ground: Map
+    obstacles: Sequence[ObstacleSettings]
+
+    @cached_property
+    def solid(self) -> Any:
+        """All obstacles as one shapely geometry, prepared for many questions."""
+        import shapely
+
+        whole = shapely.union_all([shapely.Polygon(obstacle.outline()) for obstacle in self.obstacles])
+        shapely.prepare(whole)
+        return whole
+
+    def free(self, x: Any, y: Any) -> Any:
+        """Whether a point is free: bool, or an array of them; the edge of an obstacle is."""
+        import shapely
+
+        outside = np.logical_not(shapely.contains_xy(self.solid, x, y)) & self.ground.free(x, y)
+        return outside if np.ndim(outside) else bool(outside)
+
+    def blocked(self, ray: Ray) -> bool:
+        """Whether a wall or an obstacle stands between the two ends, or touches the line between them."""
+        import shapely
+
+        line = shapely.LineString([(ray.x, ray.y), (ray.to_x, ray.to_y)])
+        return self.ground.blocked(ray) or bool(shapely.intersects(self.solid, line))
+
+
 def map_of(arena: ArenaSettings) -> Map:
     """Return the map of an arena."""
-    return Rectangle(arena.width, arena.height) if arena.walled else OpenMap()
+    ground: Map = Rectangle(arena.width, arena.height) if arena.walled else OpenMap()
+    return Obstructed(ground, arena.obstacles) if arena.obstacles else ground

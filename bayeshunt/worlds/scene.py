@@ -16,7 +16,7 @@ HUNTER, PREY = "hunter", "prey"
 class Scene:
     """Who is where: the settings that a world needs, and nothing of those who think.
 
-    robot: the hunter. prey: the prey; None: the robot is alone, as when it babbles. arena: the walls.
+    robot: the hunter. prey: the prey; None: the robot is alone, as when it babbles. arena: the walls and obstacles.
     physics: how time advances.
     """
 

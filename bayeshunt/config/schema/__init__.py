@@ -9,6 +9,7 @@ from bayeshunt.config.schema.bodies import BodySettings, DiscSettings, DriveSett
 from bayeshunt.config.schema.experiment import ExperimentSettings
 from bayeshunt.config.schema.groups import Settings
 from bayeshunt.config.schema.model import ModelSettings
+from bayeshunt.config.schema.obstacles import ObstacleSettings
 from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.config.schema.protocol import PhysicsSettings, ProtocolSettings
 from bayeshunt.config.schema.robot import RobotSettings
@@ -23,6 +24,7 @@ __all__ = [
     "GaitSettings",
     "ModelSettings",
     "NoiseSettings",
+    "ObstacleSettings",
     "PhysicsSettings",
     "PreySettings",
     "ProtocolSettings",

@@ -82,23 +82,30 @@ class ExperimentSettings(ShownSettings):
         return hunter, hunter.compose(Polar(distance, theta, 0.0))
 
     def check_arena(self, name: str, theta: float | None = None) -> None:
-        """Raise ConfigError unless there is an arena ``name`` in which neither robot starts in a wall.
+        """Raise ConfigError unless there is an arena ``name`` where neither robot starts in a wall or an obstacle.
 
         theta: the prey's first bearing [rad, clockwise]; by default all those of the protocol.
         """
         if not isinstance(name, str) or name not in self.arenas:
             raise ConfigError(f"unknown arena {name!r}{did_you_mean(name, self.arenas)}")
         arena = self.arenas[name]
-        if not arena.walled:
+        if not (arena.walled or arena.obstacles):
             return
         hunter, prey = 0.5 * self.robot.body.diameter, 0.5 * self.prey.body.diameter
         for bearing in self.protocol.thetas if theta is None else (theta,):
             at, seen = self.starting_poses(float(bearing))
             for who, pose, radius in (("hunter", at, hunter), ("prey", seen, prey)):
                 width, height = 2 * (abs(pose.x) + radius), 2 * (abs(pose.y) + radius)
-                if width > arena.width or height > arena.height:
+                if arena.walled and (width > arena.width or height > arena.height):
                     raise ConfigError(
                         f"settings {self.name!r}: arenas.{name}.width and height: the {who} would start in a wall "
                         f"(theta {bearing:g}); make them at least {width:.3f} m and {height:.3f} m, or start "
                         "elsewhere (protocol.hunter_x and hunter_y)"
                     )
+                for number, obstacle in enumerate(arena.obstacles, 1):
+                    if obstacle.gap(pose.x, pose.y) < radius:
+                        raise ConfigError(
+                            f"settings {self.name!r}: arenas.{name}.obstacles {number}: the {who} would start in it "
+                            f"(theta {bearing:g}, at x {pose.x:.3f} m, y {pose.y:.3f} m); move the obstacle, or start "
+                            "elsewhere (protocol.hunter_x and hunter_y)"
+                        )

@@ -24,7 +24,7 @@ from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.worlds.box2d.version import version as box2d_version
 
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
-LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy")
+LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy", "shapely")
 _ABSENT = "not given"
 
 #: Settings that change with the others: the words under a table, and the figures it is held against.

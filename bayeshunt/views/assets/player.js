@@ -285,7 +285,7 @@ class Player {
   findBounds() {
     const { walls, trail, radius } = this.hunt;
     if (walls) return { x0: -walls[0] / 2, x1: walls[0] / 2, y0: -walls[1] / 2, y1: walls[1] / 2, pad: 0.04 };
-    const poses = [...trail.hunter, ...trail.prey];
+    const poses = [...trail.hunter, ...trail.prey, ...(this.hunt.obstacles || []).flat()];
     const xs = poses.map((pose) => pose[0]), ys = poses.map((pose) => pose[1]);
     const range = { x0: Math.min(...xs), x1: Math.max(...xs), y0: Math.min(...ys), y1: Math.max(...ys) };
     return { ...range, pad: 3 * Math.max(...radius) };
@@ -320,6 +320,7 @@ class Player {
     const at = ([x, y]) => [view.width / 2 + (x - view.x) * view.scale, view.height / 2 - (y - view.y) * view.scale];
     const pen = { g, at, ink, view };
     drawGround(pen, this.hunt.walls);
+    drawObstacles(pen, this.hunt.obstacles || []);
     this.drawTrails(pen, hunter, prey);
     const step = this.hunt.steps[this.shown];
     if (this.parts["show-predicted"].checked) drawPredicted(pen, step, this.hunt.radius[1]);
@@ -386,6 +387,16 @@ function drawGround({ g, at, ink, view }, walls) {
   g.strokeStyle = ink("wall");
   g.lineWidth = 4;
   g.strokeRect(left - 2, top - 2, walls[0] * view.scale + 4, walls[1] * view.scale + 4);
+}
+
+function drawObstacles({ g, at, ink }, outlines) {
+  g.fillStyle = ink("wall");
+  for (const outline of outlines) {
+    g.beginPath();
+    outline.forEach((point, i) => (i ? g.lineTo(...at(point)) : g.moveTo(...at(point))));
+    g.closePath();
+    g.fill();
+  }
 }
 
 /* Where the prey is expected 1, 2, ... steps ahead; the one the plan aims at is filled. */

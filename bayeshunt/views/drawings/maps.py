@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from bayeshunt.config.loading import parse
+from bayeshunt.config.schema import ArenaSettings, ObstacleSettings
 from bayeshunt.core.units import degrees, length, true_minus
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
@@ -68,17 +71,21 @@ class Window(NamedTuple):
 
 
 def episode_map(episode: Episode) -> Html:
-    """Return a hunt from above: both trails, the poses at each decision, the walls."""
+    """Return a hunt from above: both trails, the poses at each decision, the walls and obstacles."""
     trail, frame = episode.trail, episode.frame
     across = [*trail["hunter_x"], *trail["prey_x"]]
     up = [*trail["hunter_y"], *trail["prey_y"]]
     if not across:
         across, up = [*frame["hunter_x"], *frame["prey_x"]], [*frame["hunter_y"], *frame["prey_y"]]
-    walls = _walls(episode)
-    if walls is not None:
-        across, up = [*across, -walls[0], walls[0]], [*up, -walls[1], walls[1]]
+    arena = _arena(episode)
+    if arena.walled:
+        across, up = [*across, -arena.width / 2, arena.width / 2], [*up, -arena.height / 2, arena.height / 2]
+    for obstacle in arena.obstacles:
+        across, up = [*across, *(x for x, _ in obstacle.outline())], [*up, *(y for _, y in obstacle.outline())]
     window = Window.around(across, up)
-    parts = [] if walls is None else [_wall(window, *walls)]
+    parts = [*map(partial(_solid, window), arena.obstacles)]
+    if arena.walled:
+        parts.append(_wall(window, arena.width / 2, arena.height / 2))
     for who, colour in (("prey", svg.PREY), ("hunter", svg.HUNTER)):
         points = [window.at(x, y) for x, y in zip(trail[f"{who}_x"], trail[f"{who}_y"], strict=True)]
         parts.append(svg.line(_thin(points), stroke=colour, stroke_width=1.8, stroke_linejoin="round"))
@@ -197,11 +204,15 @@ def _path(polar: Any) -> tuple[list[float], list[float], list[float]]:
     return tuple(np.atleast_1d(np.asarray(part, dtype=float)).tolist() for part in parts)  # type: ignore[return-value]
 
 
-def _walls(episode: Episode) -> tuple[float, float] | None:
-    """Half width and half height [m] of the walled rectangle, None in the open."""
+def _arena(episode: Episode) -> ArenaSettings:
+    """The arena that the hunt took place in; open where the record does not say."""
     settings, name = episode.provenance.get("settings", {}), episode.provenance.get("arena")
-    arena = settings.get("arenas", {}).get(name, {})
-    return (arena["width"] / 2, arena["height"] / 2) if arena.get("walled") else None
+    return parse(ArenaSettings, settings.get("arenas", {}).get(name, {}), "the episode's arena")
+
+
+def _solid(window: Window, obstacle: ObstacleSettings) -> Html:
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in (window.at(*corner) for corner in obstacle.outline()))
+    return tag("polygon", tag("title", "obstacle"), points=points, fill=svg.FAINT, fill_opacity=0.55)
 
 
 def _wall(window: Window, half_width: float, half_height: float) -> Html:

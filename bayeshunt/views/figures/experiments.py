@@ -16,7 +16,7 @@ from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.core.units import degrees
 from bayeshunt.experiments.reported import compare
 from bayeshunt.experiments.scores import summarise
-from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, styled
+from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, solid, styled
 from bayeshunt.views.reported import p_text
 
 
@@ -75,6 +75,9 @@ def draw_setup(axes: Axes, settings: ExperimentSettings, arena: str) -> None:
         corners = [protocol.hunter_pose.relative(Pose(*at, 0.0)) for at in ((x, y), (x, -y), (-x, -y), (-x, y))]
         outline = [(1000 * corner.right, 1000 * corner.forward) for corner in corners]
         axes.add_patch(Polygon(outline, fill=False, edgecolor=INK, linewidth=2))
+    for obstacle in place.obstacles:
+        corners = [protocol.hunter_pose.relative(Pose(*at, 0.0)) for at in obstacle.outline()]
+        axes.add_patch(solid(np.array([(1000 * corner.right, 1000 * corner.forward) for corner in corners])))
     frame_axes(axes)
     reach = max([1.35 * distance, *(1.04 * abs(part) for corner in outline for part in corner)])
     axes.set_xlim(-reach, reach)

@@ -12,12 +12,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 
 from bayeshunt.config.loading import parse
-from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.config.schema import ExperimentSettings, ObstacleSettings
 from bayeshunt.config.schema.legs import legs_at_rest
 from bayeshunt.core import units
 from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.episode import Episode
-from bayeshunt.views.figures.style import CATCH, FAINT, HUNTER, PREY, shorten, styled
+from bayeshunt.views.figures.style import CATCH, FAINT, HUNTER, PREY, shorten, solid, styled
 
 _PANEL = 2.25  # inches
 _ROOM = 0.16  # inches above the first titles, which the layout does not see whole
@@ -63,6 +63,8 @@ def _draw(panel: Axes, episode: Episode, reach: tuple[float, float, float, float
     if place.walled:
         corner, size = (-500 * place.width, -500 * place.height), (1000 * place.width, 1000 * place.height)
         panel.add_patch(Rectangle(corner, *size, fill=False, edgecolor=FAINT, linewidth=1.6))
+    for obstacle in place.obstacles:
+        panel.add_patch(solid(1000 * np.array(obstacle.outline())))
     diameters = {"prey": settings.prey.body.diameter, "hunter": settings.robot.body.body_length}
     for who, colour in (("prey", PREY), ("hunter", HUNTER)):
         path = _path(episode, who)
@@ -114,13 +116,14 @@ def _path(episode: Episode, who: str) -> np.ndarray:
 
 
 def _reach(episodes: list[Episode]) -> tuple[float, float, float, float]:
-    """Centre, width and height [mm] of the box that holds all these paths and, if any, their walls."""
+    """Centre, width and height [mm] of the box that holds all these paths and, if any, walls and obstacles."""
     points = [_path(episode, who) for episode in episodes for who in ("hunter", "prey")]
     for episode in episodes:
         place = episode.provenance["settings"]["arenas"][episode.provenance["arena"]]
         if place["walled"]:
             corner = 500 * np.array([place["width"], place["height"]])
             points.append(np.stack([-corner, corner]))
+        points += [1000 * np.array(ObstacleSettings(**values).outline()) for values in place.get("obstacles", ())]
     low, high = np.concatenate(points).min(axis=0), np.concatenate(points).max(axis=0)
     (x, y), size = (low + high) / 2, high - low + 2 * _MARGIN
     width = float(size.max())

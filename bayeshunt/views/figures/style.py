@@ -15,7 +15,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Polygon
 
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.views import theme
@@ -98,6 +98,11 @@ def body(axes: Axes, right: float, ahead: float, heading: float, diameter: float
     tip = (right + radius * np.sin(heading), ahead + radius * np.cos(heading))
     line = {"linewidth": look["linewidth"], "zorder": look["zorder"], "alpha": look.get("alpha")}
     axes.plot([right, tip[0]], [ahead, tip[1]], color=colour, solid_capstyle="round", **line)
+
+
+def solid(corners: np.ndarray) -> Polygon:
+    """Return an obstacle by its corners [V, 2], to be added to axes."""
+    return Polygon(corners, facecolor=FAINT, alpha=0.55, edgecolor="none", zorder=1.5)
 
 
 def shorten(name: str, length: int = 22) -> str:

@@ -88,6 +88,7 @@ def replay_data(
         "radius": [settings.robot.body.body_length / 2, settings.prey.body.diameter / 2],
         "legs": [[round(v, 4) for v in leg] for leg in legs_at_rest(settings.robot.body)],
         "walls": [place.width, place.height] if place.walled else None,
+        "obstacles": [[[round(v, 4) for v in at] for at in obstacle.outline()] for obstacle in place.obstacles],
         "trail": _trail(episode, every),
         "steps": steps,
         "bins": [number(width) for width in _bin_widths(settings)],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.core.gaits import GaitRepertoire
@@ -118,7 +118,7 @@ def experiment(shown: ExperimentSettings) -> Sheet:
         *((f"set: {name}", ", ".join(f"{k} {v}" for k, v in chosen.items())) for name, chosen in shown.planner.items()),
     ]
     rows = [
-        (name, f"{length(a.width)} x {length(a.height)}" if a.walled else "no walls")
+        (name, (f"{length(a.width)} x {length(a.height)}" if a.walled else "no walls") + _obstacles(a))
         for name, a in shown.arenas.items()
     ]
     arenas = Table(("arena", "size"), rows)
@@ -137,3 +137,8 @@ def planner(shown: Shown) -> Sheet:
     pairs = [("gaits", ", ".join(map(clean, known)))] if known else []
     settings = Table(("setting", "value"), rows) if rows else None
     return Sheet(f"Planner {shown.name}", summarise(type(shown)), pairs, [settings])
+
+
+def _obstacles(arena: ArenaSettings) -> str:
+    count = len(arena.obstacles)
+    return f", {count} obstacle{'s' if count > 1 else ''}" if count else ""

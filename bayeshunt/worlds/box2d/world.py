@@ -13,7 +13,7 @@ from typing import Any
 import Box2D
 import numpy as np
 
-from bayeshunt.config.schema import NoiseSettings
+from bayeshunt.config.schema import NoiseSettings, ObstacleSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -27,7 +27,7 @@ from bayeshunt.worlds.maps import map_of
 from bayeshunt.worlds.prey.behaviours import Alone, Context, Prey, build_prey
 from bayeshunt.worlds.scene import HUNTER, Scene
 
-__all__ = ["Box2DWorld", "build_walls", "new_world"]
+__all__ = ["Box2DWorld", "build_obstacles", "build_walls", "new_world"]
 
 #: Box2D units between two surfaces beyond which Box2D does not look for a contact: far more than a step's way.
 _MARGIN = 4.0
@@ -131,6 +131,8 @@ class Box2DWorld:
         arena = self.scene.arena
         if arena.walled:
             build_walls(self.world, arena.width / self.unit, arena.height / self.unit)
+        if arena.obstacles:
+            build_obstacles(self.world, arena.obstacles, self.unit)
 
     def _add(self, name: str, rng: np.random.Generator) -> Drive:
         """Make a body at the origin. Bodies are made in the order of their names' coming: it counts in Box2D."""
@@ -177,7 +179,8 @@ class Box2DWorld:
         self._pair = self._body(until.who).position, self._body(until.whom).position
         self._near = (until.distance / self.unit) ** 2
         # Two bodies in the open can touch nothing but each other, and that only when they are near.
-        pair = len(self._drives) == 2 and not self.scene.arena.walled
+        arena = self.scene.arena
+        pair = len(self._drives) == 2 and not arena.walled and not arena.obstacles
         lengths = sum(body.length for body in self._drives) / self.unit
         self._apart = (0.5 * lengths + _MARGIN) ** 2 if pair else inf
 
@@ -240,3 +243,17 @@ def build_walls(world: Any, width: float, height: float) -> Any:
     for centre, half in boxes:
         walls.CreateFixture(shape=Box2D.b2PolygonShape(box=(*half, centre, 0.0)), friction=0.0, restitution=0.0)
     return walls
+
+
+def build_obstacles(world: Any, obstacles: Sequence[ObstacleSettings], unit: float) -> Any:
+    """Add obstacles [m], a Box2D unit being ``unit`` metres; return the body that holds them all."""
+    body = world.CreateStaticBody()
+    for obstacle in obstacles:
+        centre = obstacle.x / unit, obstacle.y / unit
+        if obstacle.radius is not None:
+            shape = Box2D.b2CircleShape(pos=centre, radius=obstacle.radius / unit)
+        else:
+            width, height = obstacle.sides
+            shape = Box2D.b2PolygonShape(box=(0.5 * width / unit, 0.5 * height / unit, centre, obstacle.angle))
+        body.CreateFixture(shape=shape, friction=0.0, restitution=0.0)
+    return body

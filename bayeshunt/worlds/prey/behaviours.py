@@ -16,7 +16,7 @@ from bayeshunt.config.schema import ArenaSettings, PreySettings
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.geometry import wrap
 from bayeshunt.worlds.noise import gaussians
-from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, proximity
+from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, Solid, proximity
 
 #: Braitenberg weights of the eight sensors on (left, right) wheel: Webots' Khepera controller.
 BRAITENBERG = ((-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5))
@@ -81,6 +81,7 @@ class Braitenberg:
         self._range = context.settings.sensor_range * scale
         self._noise = context.settings.sensor_noise
         self._walls = None if context.walls is None else (context.walls[0] * scale, context.walls[1] * scale)
+        self._solids = tuple(Solid.of(obstacle, scale) for obstacle in context.arena.obstacles)
         self._hunter_radius = 0.5 * context.hunter_diameter * scale if context.settings.senses_hunter else None
         self._metres_per_unit = context.settings.speed / sum(row[0] for row in BRAITENBERG)
         self._free = self._wheels([0.0] * 8)
@@ -90,7 +91,7 @@ class Braitenberg:
         """See :class:`Prey`."""
         scale = self._scale
         disc = None if self._hunter_radius is None else (hunter_x * scale, hunter_y * scale, self._hunter_radius)
-        values = proximity(x * scale, y * scale, theta, self._range, self._walls, disc)
+        values = proximity(x * scale, y * scale, theta, self._range, self._walls, disc, self._solids)
         if values is None:
             return self._free
         noise, normals = self._noise, self._normals
@@ -107,7 +108,7 @@ class Braitenberg:
 
 
 class Straight:
-    """Drives straight ahead at its free speed, whatever comes."""
+    """Drives straight ahead at its free speed, whatever comes; at speed 0 a lure that stays where it is."""
 
     def __init__(self, context: Context) -> None:
         self._wheels = (context.settings.speed, context.settings.speed)

@@ -6,7 +6,11 @@ Positions and directions are those of Webots' model of the robot. A value falls 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
+from typing import NamedTuple
+
+from bayeshunt.config.schema import ObstacleSettings
 
 #: Sensor positions [m] (x right, y forward of the centre) and directions [degrees counter-clockwise from x].
 KHEPERA_SENSORS = (
@@ -63,6 +67,45 @@ def distance_to_disc(ox: float, oy: float, dx: float, dy: float, cx: float, cy: 
     return along - sqrt(reach) if along > 0 and reach >= 0 else inf
 
 
+class Solid(NamedTuple):
+    """An obstacle as the sensors meet it: a disc, or a rectangle of half sides ``a``, ``b`` turned by ``angle`` [rad].
+
+    x, y: its centre [m]. reach: metres from there to its farthest point; of a disc (``a`` is 0) the radius.
+    """
+
+    x: float
+    y: float
+    reach: float
+    a: float = 0.0
+    b: float = 0.0
+    angle: float = 0.0
+
+    @classmethod
+    def of(cls, obstacle: ObstacleSettings, scale: float = 1.0) -> Solid:
+        """Return an obstacle, every length multiplied by ``scale``."""
+        centre = obstacle.x * scale, obstacle.y * scale, obstacle.reach * scale
+        if obstacle.radius is not None:
+            return cls(*centre)
+        width, height = obstacle.sides
+        return cls(*centre, 0.5 * width * scale, 0.5 * height * scale, obstacle.angle)
+
+    def distance(self, ox: float, oy: float, dx: float, dy: float) -> float:
+        """Return metres from (ox, oy) along (dx, dy) to it; inf where the ray misses, 0 from inside."""
+        if not self.a:
+            return distance_to_disc(ox, oy, dx, dy, self.x, self.y, self.reach)
+        c, s = cos(self.angle), sin(self.angle)
+        fx, fy = ox - self.x, oy - self.y
+        enter, leave = 0.0, inf
+        for at, along, half in ((c * fx + s * fy, c * dx + s * dy, self.a), (c * fy - s * fx, c * dy - s * dx, self.b)):
+            if along == 0.0:
+                if abs(at) >= half:
+                    return inf
+                continue
+            near, far = (-half - at) / along, (half - at) / along
+            enter, leave = max(enter, min(near, far)), min(leave, max(near, far))
+        return enter if enter < leave else inf
+
+
 def proximity(
     x: float,
     y: float,
@@ -70,23 +113,28 @@ def proximity(
     sensor_range: float,
     walls: tuple[float, float] | None,
     disc: tuple[float, float, float] | None,
+    solids: Sequence[Solid] = (),
 ) -> list[float] | None:
     """Return the eight noise-free sensor values, or None where nothing is within any sensor's reach.
 
     walls: half width and half height [m] of the arena, None when open.
-    disc: centre x, y and radius [m] of another robot, None when it is not sensed.
+    disc: centre x, y and radius [m] of another robot, None when it is not sensed. solids: obstacles.
     """
     reach = MOUNT_RADIUS + sensor_range
     if walls is not None and abs(x) + reach < walls[0] and abs(y) + reach < walls[1]:
         walls = None
     if disc is not None and hypot(disc[0] - x, disc[1] - y) > reach + disc[2]:
         disc = None
-    if walls is None and disc is None:
+    if solids:
+        solids = [solid for solid in solids if hypot(solid.x - x, solid.y - y) <= reach + solid.reach]
+    if walls is None and disc is None and not solids:
         return None
     values = []
     for ox, oy, dx, dy in rays(x, y, theta):
         nearest = distance_to_walls(ox, oy, dx, dy, *walls) if walls is not None else inf
         if disc is not None:
             nearest = min(nearest, distance_to_disc(ox, oy, dx, dy, *disc))
+        for solid in solids:
+            nearest = min(nearest, solid.distance(ox, oy, dx, dy))
         values.append(MAX_VALUE * (1.0 - nearest / sensor_range) if nearest < sensor_range else 0.0)
     return values
