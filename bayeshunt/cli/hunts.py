@@ -79,6 +79,8 @@ def hunt(
         files = {"out": out, "replay": replay}
         typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
         return
+    if settings.scaled:
+        terminal.remark(settings.scaled)
     terminal.episode_table(episode)
     say_chosen(settings, preset, config, model)
     if out is not None:

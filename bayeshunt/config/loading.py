@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config.describing import describe, keys_at
 from bayeshunt.config.plausibility import warn_implausible
+from bayeshunt.config.scaling import absolute, rescaled
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
 from bayeshunt.core.checks import check_kind
@@ -61,7 +62,9 @@ def load_experiment(
 ) -> ExperimentSettings:
     """Return an experiment given by preset name ("oses2010", "paper"), by TOML path, or as settings.
 
-    overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``.
+    overrides: values by dotted key, for example ``{"prey.speed": 0.04, "protocol.runs": 10}``. With another robot by
+        name or path, the arenas and the prey are drawn to its length and top speed, what is overridden besides aside;
+        ``scaled`` says so.
     A file may start from another with ``base = "paper"`` and change only some keys.
     """
     if overrides is not None:
@@ -76,13 +79,27 @@ def load_experiment(
     before = values
     values = copy.deepcopy(values)
     # A group before what is inside it, so that the order in which changes are given means nothing.
-    for key, value in sorted((overrides or {}).items(), key=lambda change: change[0].count(".")):
+    for key, value in sorted(
+        (overrides or {}).items(), key=lambda change: (change[0] != "robot", change[0].count("."))
+    ):
         if key == "robot" and isinstance(value, str):
-            value = _robot(value)[0].model_dump()
+            robot = _robot(value)[0]
+            if values.get("robot") is not None:
+                values = rescaled(values, parse(RobotSettings, values["robot"], f"{source}: robot"), robot)
+            value = robot.model_dump()
         _set(values, key, value, source)
+    values = _in_metres(values, source)
     if overrides:
         _forget_publication(values, before, set(overrides))
     return _plausible(parse(ExperimentSettings, values, source), source)
+
+
+def _in_metres(values: dict[str, Any], source: str) -> dict[str, Any]:
+    """Settings whose arenas and prey may be given relative to the hunter, with all of them in metres and seconds."""
+    groups = [values.get("prey"), *(values["arenas"].values() if isinstance(values.get("arenas"), dict) else ())]
+    if not any(isinstance(g, dict) and (g.get("relative") or g.get("in_bodies")) for g in groups):
+        return values
+    return absolute(values, parse(RobotSettings, values.get("robot"), f"{source}: robot"))
 
 
 def recorded_robot(frame: pd.DataFrame | Mapping[str, Any], source: str = "") -> RobotSettings:

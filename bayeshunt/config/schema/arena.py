@@ -16,6 +16,7 @@ class ArenaSettings(Settings):
     walled: bool = Field(False, description="whether there are walls")
     width: Positive = Field(1.2, description="inner size along x [m]")
     height: Positive = Field(1.2, description="inner size along y [m]")
+    in_bodies: bool = Field(False, description="whether its lengths are given in the hunter's body lengths")
     obstacles: tuple[ObstacleSettings, ...] = Field(
         (),
         description="discs (x, y, radius [m]) and rectangles (x, y, width, height [m], angle [rad]) that stand in it",

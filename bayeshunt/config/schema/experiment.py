@@ -25,6 +25,7 @@ class ExperimentSettings(ShownSettings):
 
     name: str = Field(min_length=1, description="name shown in tables")
     note: str = Field("", description="printed under every table made with these settings")
+    scaled: str = Field("", description="said above every table: that arenas and prey were drawn to another robot")
     robot: RobotSettings
     prey: PreySettings = Field(default_factory=PreySettings)
     arenas: dict[str, ArenaSettings] = Field(

@@ -23,6 +23,11 @@ class PreySettings(Settings):
     turn_time: Positive = Field(1.0, description="time constant of the turning rate of a random walk [s]")
     flee_distance: Positive = Field(4.0, description="an evader turns away when the hunter is nearer [body lengths]")
     turn_rate: Positive = Field(0.8, description="how fast an evader turns [rad/s]")
+    relative: bool = Field(
+        False,
+        description="whether speed is given as a share of the hunter's top speed, and sensor_range, body.diameter, "
+        "body.axle and body.wheelbase in its body lengths",
+    )
     body: BodySettings = Field(default_factory=BodySettings)
     noise: NoiseSettings = Field(default_factory=NoiseSettings)
 

@@ -39,6 +39,7 @@ def summary(results: pd.DataFrame, settings: ExperimentSettings, seed: int) -> d
         "reported": compare(results, settings),
         "experiment": settings.name,
         "note": as_evaluated(results, settings).note,
+        "scaled": settings.scaled,
         "seed": int(seed),
         "version": version("bayeshunt"),
         "model": results.attrs.get("model"),
@@ -139,8 +140,7 @@ def to_markdown(facts: dict[str, Any]) -> str:
     """Return the summary as a Markdown document: totals, then per bearing."""
     measured = any("mean_energy_j" in row for row in facts["rows"])
     lines = [f"# {facts['experiment']}: success and catch time", ""]
-    if facts["note"]:
-        lines += [facts["note"], ""]
+    lines += [line for text in (facts["scaled"], facts["note"]) if text for line in (text, "")]
     lines += [
         f"Seed {facts['seed']}, bayeshunt {facts['version']}. "
         "Intervals are 95 % Wilson; a miss counts as the time limit.",

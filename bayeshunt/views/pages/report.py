@@ -90,7 +90,7 @@ def report_facts(
     looks = styles(planners)
     text = to_toml(settings)
     return {
-        "title": settings.name, "note": shown.note, "seed": seed, "hunts": len(results),
+        "title": settings.name, "note": shown.note, "scaled": settings.scaled, "seed": seed, "hunts": len(results),
         "runs": settings.protocol.runs, "limit": settings.protocol.time_limit,
         "version": version("bayeshunt"), "evaluated_with": results.attrs.get("version", version("bayeshunt")),
         "totals": [row for row in rows if row["theta"] is None],

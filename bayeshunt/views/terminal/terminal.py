@@ -72,6 +72,8 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
         *places, "caught", "success %", "95 % interval", "mean s", *beside, *spent,
         title=f"{facts['experiment']}, seed {facts['seed']}",
     )  # fmt: skip
+    if facts.get("scaled"):
+        out.print(Text(facts["scaled"]))
     previous = None
     for row in chosen:
         total = row["theta"] is None
