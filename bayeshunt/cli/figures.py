@@ -112,11 +112,15 @@ def export(
         Path | None,
         out_file("Also export the network as XMLBIF, its labels beside it.", "networks", ".xmlbif", within_out=True),
     ] = None,
+    page: Annotated[
+        Path | None,
+        out_file("Also write the network as a page on which a click sets evidence.", "pages", ".html", within_out=True),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Write every table of a model as CSV: probability, count and 95 % interval of each cell.
 
-    Example:  bayeshunt export model.json --out tables --xmlbif tables/model.xmlbif
+    Example:  bayeshunt export model.json --out tables --xmlbif tables/model.xmlbif --page tables/network.html
     """
     from bayeshunt.experiments.store.export import check_output_folder
     from bayeshunt.models.formats.interchange import open_model
@@ -128,7 +132,12 @@ def export(
     if xmlbif is not None:
         forward.to_xmlbif(xmlbif)
         lines += [str(xmlbif), f"{labels_path(xmlbif)}: what its states are called"]
-    facts = {"out": str(out), "files": names, "xmlbif": None if xmlbif is None else str(xmlbif)}
+    if page is not None:
+        from bayeshunt.models.inference.network import Network
+
+        Network(forward).save(page)
+        lines.append(f"{page}: open it in a browser; a click on a state sets evidence")
+    facts = {"out": str(out), "files": names, **{k: v and str(v) for k, v in (("xmlbif", xmlbif), ("page", page))}}
     tell(facts, as_json, "\n".join(lines))
 
 

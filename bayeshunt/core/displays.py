@@ -9,9 +9,14 @@ the views, and a robot that hunts without a screen never loads them.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["arrange", "to_html", "to_text"]
+from bayeshunt.core.errors import InputError
+
+if TYPE_CHECKING:
+    import os
+
+__all__ = ["arrange", "bundle", "save", "to_html", "to_text", "widget"]
 
 #: Module that offers ``to_html(thing)`` and ``to_text(thing)``; None: nobody draws.
 _drawer: str | None = None
@@ -20,7 +25,8 @@ _drawer: str | None = None
 def arrange(module: str | None) -> None:
     """Let ``module`` draw everything that shows itself; None: nobody draws.
 
-    The module offers ``to_html(thing) -> str`` and ``to_text(thing) -> str``.
+    The module offers ``to_html(thing) -> str`` and ``to_text(thing) -> str``, and of things that have them
+    ``widget(thing)``, ``bundle(thing)`` and ``save(thing, path)``.
     """
     global _drawer
     _drawer = module
@@ -37,3 +43,24 @@ def to_html(thing: Any) -> str | None:
 def to_text(thing: Any) -> str:
     """Return ``thing`` as plain text of several lines; its ``repr`` if nobody draws."""
     return repr(thing) if _drawer is None else str(import_module(_drawer).to_text(thing))
+
+
+def widget(thing: Any) -> Any:
+    """Return ``thing`` as a widget; InputError where widgets cannot be."""
+    return import_module(_drawing()).widget(thing)
+
+
+def bundle(thing: Any, **options: Any) -> Any:
+    """Return what a notebook shows of a thing that has a widget: it, and what else there is where no kernel runs."""
+    return None if _drawer is None else import_module(_drawer).bundle(thing, **options)
+
+
+def save(thing: Any, path: str | os.PathLike[str]) -> None:
+    """Write ``thing`` as one HTML page, replaced atomically."""
+    import_module(_drawing()).save(thing, path)
+
+
+def _drawing() -> str:
+    if _drawer is None:
+        raise InputError("nobody draws: bayeshunt itself was not imported")
+    return _drawer

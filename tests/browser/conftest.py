@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.views.pages.replay import write_replay
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "models"))  # network_questions
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra: test)")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 

@@ -5,18 +5,10 @@ import itertools
 import numpy as np
 import pandas as pd
 import pytest
-from model_cases import babbled, repertoire, small_axes
+from network_questions import STRUCTURES, asked, fitted
 
 import bayeshunt as bh
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError
-
-STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
-
-
-def fitted(structure):
-    rows = babbled(300, seed=4)
-    rows["previous_gait"] = rows["gait"].shift(1)
-    return bh.ForwardModel.fit(rows, repertoire(), 0.3, axes=small_axes(3, 4, 5), structure=structure)
 
 
 def full(network):
@@ -25,17 +17,6 @@ def full(network):
     spelt = ["".join(letters[v] for v in f.variables) for f in network._factors.values()]
     tables = [f.values for f in network._factors.values()]
     return np.einsum(",".join(spelt) + "->" + "".join(letters.values()), *tables)
-
-
-def asked(network, count, rng):
-    """Random (node, evidence, likelihood)."""
-    for _ in range(count):
-        names = list(rng.permutation(network.nodes))
-        node, known = names[0], names[1 : 1 + rng.integers(0, len(names))]
-        evidence = {name: network.states[name][rng.integers(len(network.states[name]))] for name in known}
-        rest = [name for name in names if name not in known]
-        soft = rest[: rng.integers(0, len(rest) + 1)]
-        yield node, evidence, {name: rng.random(len(network.states[name])) for name in soft}
 
 
 @pytest.mark.parametrize("structure", STRUCTURES)

@@ -65,7 +65,7 @@ def is_network(path: str | os.PathLike[str]) -> bool:
 def _open(path: str | os.PathLike[str]) -> tuple[NetworkTables, dict[str, list[str]]]:
     """The network in a file, and the labels of its states in the file's order."""
     name = check_path(path, f"the name of a network ({', '.join(KINDS)})", InputError)
-    found = _read(Path(path), name)
+    found = read_tables(path)
     _check_variables(found, name)
     return found, _labels(found, Path(path), name)
 
@@ -91,8 +91,10 @@ def _model(
     return ForwardModel.of_tables(repertoire, grid, structure, given)
 
 
-def _read(path: Path, name: str) -> NetworkTables:
-    """The network in a file."""
+def read_tables(path: str | os.PathLike[str]) -> NetworkTables:
+    """Read a network over any variables, as its file has them. Raises InputError in one line."""
+    name = check_path(path, f"the name of a network ({', '.join(KINDS)})", InputError)
+    path = Path(path)
     kind = path.suffix.lower()
     if not path.is_file():
         raise InputError(f"{name}: {'is a folder' if path.is_dir() else 'no such file'}")

@@ -6,18 +6,20 @@ Letters: K states of a node.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core import statistics
+from bayeshunt.core import displays, statistics
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.formats.interchange import is_network, read_tables
 from bayeshunt.models.inference.elimination import Factor, ancestors, joint, restrict
 
 __all__ = ["Network"]
@@ -33,17 +35,21 @@ Value = Any
 class Network:
     """A model's Bayesian network, every node of which can be asked and observed.
 
-    model: a forward or inverse model of any structure, learned or imported; or a pgmpy DiscreteBayesianNetwork of at
-        most 40 nodes.
-    nodes: names, causes first. states: node -> names of its states, in table order. parents: node -> its parents.
+    model: a forward or inverse model of any structure, learned or imported; or a network over any nodes, at most 40: a
+        pgmpy DiscreteBayesianNetwork, or the name of a BIF or XMLBIF file.
+    nodes: names, in the order of the tables. states: node -> names of its states, in table order.
+    parents: node -> its parents. tables: node -> P(node | parents) [K, ...parents].
 
     Evidence is a state's name as in ``states`` or, for Distance [m], Angle and Heading [rad clockwise], a number.
     A likelihood (virtual evidence) is a number >= 0 for every state: how probable what was perceived is in that state.
+
+    A notebook shows it as a widget (:attr:`widget`), :meth:`save` as a page: there a click on a state is evidence.
 
     Raises InputError for another model.
     """
 
     def __init__(self, model: Any) -> None:
+        self._widget: Any = None
         model = model.model if isinstance(model, InverseModel) else model
         self._axes = model.axes if isinstance(model, ForwardModel) else None
         if isinstance(model, ForwardModel):
@@ -52,12 +58,21 @@ class Network:
             self.parents = {node: model.structure.parents(node) for node in tables}
         elif hasattr(model, "get_cpds"):
             self.states, self.parents, tables = _of_pgmpy(model)
+        elif isinstance(model, (str, os.PathLike)) and is_network(model):
+            found = read_tables(model)
+            self.states, self.parents, tables = dict(found.states), dict(found.parents), dict(found.tables)
         else:
-            raise InputError(f"model: expected a ForwardModel, an InverseModel or a pgmpy network, got {shown(model)}")
+            expected = "a ForwardModel, an InverseModel, a pgmpy network or the name of a BIF or XMLBIF file"
+            raise InputError(f"model: expected {expected}, got {shown(model)}")
         self.nodes = tuple(self.states)
         if len(self.nodes) > _MOST_NODES:
             raise InputError(f"the network has {len(self.nodes)} nodes; at most {_MOST_NODES} can be asked")
-        self._factors = {node: Factor((node, *self.parents[node]), np.asarray(tables[node])) for node in self.nodes}
+        self._factors = {n: Factor((n, *self.parents[n]), np.asarray(tables[n], dtype=float)) for n in self.nodes}
+
+    @property
+    def tables(self) -> dict[str, np.ndarray]:
+        """Node -> P(node | parents) [K, ...parents], the parents in their order."""
+        return {node: factor.values for node, factor in self._factors.items()}
 
     @property
     def edges(self) -> list[tuple[str, str]]:
@@ -120,24 +135,28 @@ class Network:
                 left.append(name)
         return other not in reached
 
-    def most_probable(self, evidence: Mapping[str, Value] | None = None) -> tuple[dict[str, str], float]:
+    def most_probable(
+        self, evidence: Mapping[str, Value] | None = None, likelihood: Mapping[str, Any] | None = None
+    ) -> tuple[dict[str, str], float]:
         """Return the most probable states of all nodes given the evidence, and their probability P(all | evidence).
 
         Of equals the first in table order. Raises InputError for more than 10 nodes.
         """
         if len(self.nodes) > _MOST_EXPLAINED:
             raise InputError(f"the most probable explanation is found for up to {_MOST_EXPLAINED} nodes")
-        known, _ = self._read(evidence, None)
+        known, soft = self._read(evidence, likelihood)
         free = [name for name in self.nodes if name not in known]
         if math.prod(len(self.states[name]) for name in free) > _MOST_CELLS:
             raise InputError("there are too many combinations of states to look at; give more evidence")
-        table = self._joint(free, known, {})
+        table = self._joint(free, known, soft)
         total = self._total(table.sum())
         at = np.unravel_index(int(np.argmax(table)), table.shape)
         found = {**known, **{name: int(i) for name, i in zip(free, at, strict=True)}}
         return {name: self.states[name][found[name]] for name in self.nodes}, float(table[at] / total)
 
-    def value_of_information(self, node: str, evidence: Mapping[str, Value] | None = None) -> pd.Series:
+    def value_of_information(
+        self, node: str, evidence: Mapping[str, Value] | None = None, likelihood: Mapping[str, Any] | None = None
+    ) -> pd.Series:
         """Return how many bits of doubt about ``node`` observing each open node would remove, on average; most first.
 
         Raises InputError for more than 10 nodes.
@@ -145,11 +164,44 @@ class Network:
         self._check(node)
         if len(self.nodes) > _MOST_EXPLAINED:
             raise InputError(f"the value of information is worked out for up to {_MOST_EXPLAINED} nodes")
-        known, soft = self._read(evidence, None)
+        known, soft = self._read(evidence, likelihood)
         open_nodes = [name for name in self.nodes if name != node and name not in known]
         bits = [0.0 if node in known else self._shared(node, name, known, soft) for name in open_nodes]
         series = pd.Series(bits, index=pd.Index(open_nodes, name="node"), name="bits", dtype=float)
         return series.sort_values(ascending=False, kind="stable")
+
+    def named(
+        self, evidence: Mapping[str, Value] | None = None, likelihood: Mapping[str, Any] | None = None
+    ) -> dict[str, dict[str, Any]]:
+        """Return evidence by the names of states and likelihoods as lists. Raises InputError as :meth:`posterior`."""
+        known, soft = self._read(evidence, likelihood)
+        return {
+            "evidence": {node: self.states[node][state] for node, state in known.items()},
+            "likelihood": {node: values.tolist() for node, values in soft.items()},
+        }
+
+    @property
+    def widget(self) -> Any:
+        """The network as a widget, made once: its ``evidence``, ``likelihood`` and ``asked`` follow the picture.
+
+        Raises InputError if anywidget is not installed.
+        """
+        if self._widget is None:
+            self._widget = displays.widget(self)
+        return self._widget
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the network as one HTML page that needs neither a kernel nor the internet."""
+        displays.save(self, path)
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        return displays.bundle(self, **options)
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     def __repr__(self) -> str:
         return f"<Network: {len(self.nodes)} nodes, {len(self.edges)} edges>"

@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+import os
 from functools import singledispatch
+from importlib.util import find_spec
 from typing import Any
 
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.episodes.tracing import Trace
+from bayeshunt.files.atomic import write_text
+from bayeshunt.files.endings import check_ending
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.models.comparison.compare import Comparison
+from bayeshunt.models.inference.network import Network
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan, Shown
-from bayeshunt.views.sheets import assessment, comparison, models, plans, settings, tables, tracing
+from bayeshunt.views.pages.network import network_html
+from bayeshunt.views.sheets import assessment, comparison, models, network, plans, settings, tables, tracing
 from bayeshunt.views.sheets.sheet import Sheet
 
-__all__ = ["sheet", "to_html", "to_text"]
+__all__ = ["bundle", "save", "sheet", "to_html", "to_text", "widget"]
 
 
 def to_html(thing: Any) -> str:
@@ -31,6 +38,42 @@ def to_html(thing: Any) -> str:
 def to_text(thing: Any) -> str:
     """Return ``thing`` as plain text of several lines, at most 100 columns where names allow it."""
     return sheet(thing).text()
+
+
+def widget(thing: Any) -> Any:
+    """Return a network as a widget; InputError if anywidget is not installed, TypeError for anything else."""
+    if not isinstance(thing, Network):
+        raise TypeError(f"a {type(thing).__name__} has no widget")
+    if find_spec("anywidget") is None:
+        raise InputError("a network's widget needs anywidget: pip install '.[notebook]' in bayeshunt's folder")
+    from bayeshunt.views.notebook.network_widget import NetworkWidget
+
+    return NetworkWidget(thing)
+
+
+def bundle(thing: Any, **options: Any) -> Any:
+    """Return the widget of ``thing`` and, for who has no kernel or no anywidget, what it says now."""
+    still = {"text/plain": to_text(thing), "text/html": to_html(thing)}
+    if find_spec("anywidget") is None:
+        return still
+    shown = thing.widget._repr_mimebundle_(**options)
+    data, metadata = shown if isinstance(shown, tuple) else (shown or {}, {})
+    return {**data, **still}, metadata
+
+
+def save(thing: Any, path: str | os.PathLike[str]) -> None:
+    """Write the page of ``thing``, replaced atomically. Raises InputError if its name ends as another kind of file."""
+    check_ending(path, "pages", ".html")
+    write_text(path, page(thing))
+
+
+@singledispatch
+def page(thing: Any) -> str:
+    """Return the self-contained page of anything that has one; TypeError for anything else."""
+    raise TypeError(f"a {type(thing).__name__} has no page")
+
+
+page.register(Network, network_html)
 
 
 @singledispatch
@@ -47,6 +90,7 @@ for _kind, _sheet in (
     (PreyModel, tables.prey_model),
     (Plan, plans.plan),
     (Episode, plans.episode),
+    (Network, network.network),
     (Comparison, comparison.comparison),
     (Trace, tracing.trace),
     (Assessment, assessment.assessment),
