@@ -81,6 +81,13 @@ def fit(
         float | None,
         typer.Option(help="Of previous_gait: rows that a gait's own table is worth after each gait, e.g. 5."),
     ] = None,
+    residual_of: Annotated[
+        str | None,
+        typer.Option(help="unicycle: fit the commands' own motion, and tables of what it misses; rows in memory."),
+    ] = None,
+    auto_bins: Annotated[
+        bool, typer.Option("--auto-bins", help="Bins of the highest held-out density, instead of these three.")
+    ] = False,
     distance_bin: Annotated[float, typer.Option(help="Width of a distance bin [body lengths].")] = 0.1,
     angle_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Angle.")] = 36,
     heading_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Heading.")] = 36,
@@ -105,7 +112,7 @@ def fit(
     from bayeshunt.config.loading import load_robot, recorded_gaits
     from bayeshunt.core.bins import EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
-    from bayeshunt.models.counting.streaming import count_tables
+    from bayeshunt.models.counting.streaming import count_tables, rows_of
     from bayeshunt.views.terminal import terminal
 
     asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
@@ -117,12 +124,16 @@ def fit(
         repertoire.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
     )
     rows = sum(table.rows for table in tables)
-    counts: Any
+    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": structure, "backoff": backoff}
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        counts, provenance = count_tables(tables, repertoire, axes=axes, structure=structure, progress=advance)
-    model = ForwardModel.from_counts(
-        counts, prior, gait_prior=gait_prior, structure=structure, backoff=backoff, provenance=provenance
-    )
+        if residual_of is not None or auto_bins:  # the rows choose the motion and the bins first
+            frame, provenance = rows_of(tables, repertoire, advance)
+            how |= {"axes": "auto" if auto_bins else axes, "residual_of": residual_of}
+            model = ForwardModel.over(ForwardModel.fit(frame, repertoire, prior, **how).source, provenance)
+        else:
+            seen, provenance = count_tables(tables, repertoire, axes=axes, structure=structure, progress=advance)
+            model = ForwardModel.from_counts(seen, prior, **how, provenance=provenance)
+    counts = model.source.counted
     model.save(out)
     if xmlbif is not None:
         model.to_xmlbif(xmlbif)
@@ -130,11 +141,17 @@ def fit(
         "out": str(out), "rows": counts.total, "prior": model.prior, "log_likelihood": model.log_likelihood(counts),
         "bins": {axis.name: axis.bins for axis in model.axes},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
+        "residual_of": residual_of,
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
     counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")
     following = f"\nnext: bayeshunt query {shlex.quote(str(out))} {_some_target(model)}" if counts.total else ""
-    tell(facts, as_json, f"{out}: {counted}, bins {bins}, log-likelihood {facts['log_likelihood']:.1f}{following}")
+    beside = "" if residual_of is None else f"residuals of the {residual_of}, "
+    tell(
+        facts,
+        as_json,
+        f"{out}: {counted}, {beside}bins {bins}, log-likelihood {facts['log_likelihood']:.1f}{following}",
+    )
 
 
 def opened(data: list[Path], asked: Any, robot: str | None) -> tuple[list[Any], list[str]]:
@@ -150,7 +167,7 @@ def opened(data: list[Path], asked: Any, robot: str | None) -> tuple[list[Any], 
 
 def _some_target(model: Any) -> str:
     """Options of query that ask for a place that babbling reached."""
-    cells, (distance, angle, _) = model.learned_cells, model.axes
+    cells, (distance, angle, _) = model.binned.learned_cells, model.binned.axes
     near, turned = cells[len(cells) // 2]
     return f"--distance {distance.centres[near]:.3g} --angle {angle.centres[turned]:.2g}"
 

@@ -10,7 +10,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.core.errors import DataError, InputError
-from bayeshunt.models.body.unicycle import Unicycle
+from bayeshunt.models.motion.unicycle import Unicycle
 
 
 def windows(rows: int, seed: int, slip: float = 0.0) -> pd.DataFrame:

@@ -16,7 +16,8 @@ from bayeshunt.data import babbling_table
 from bayeshunt.data.command_gaits import cluster
 from bayeshunt.data.logs import command_columns
 from bayeshunt.models.assessment.forward_points import points
-from bayeshunt.models.body.unicycle import Unicycle
+from bayeshunt.models.motion.residuals import added, missed
+from bayeshunt.models.motion.unicycle import Unicycle
 
 __all__ = ["MODELS", "score_forward"]
 
@@ -144,22 +145,10 @@ def _foreseen(
             found["unicycle"] = asked
         if "residual" in models:
             used = levels if known else levels[:1]
-            missed = _missed(motion.predict(commands[train]), learned)
-            extra = points([level[train] for level in used], [level[test] for level in used], missed)
-            found["residual"] = _added(asked, extra)
+            gaps = missed(motion.predict(commands[train]), learned)
+            extra = points([level[train] for level in used], [level[test] for level in used], gaps)
+            found["residual"] = added(asked, extra)
     return {name: found[name] for name in models if name in found}
-
-
-def _missed(asked: Polar[FloatArray], came: Polar[FloatArray]) -> Polar[FloatArray]:
-    """What came beside what was asked, in the frame at the middle of the arc that was asked."""
-    gap = ((came.forward - asked.forward) + 1j * (came.right - asked.right)) * np.exp(-0.5j * asked.heading)
-    return Polar.from_cartesian(gap.real, gap.imag, came.heading - asked.heading)
-
-
-def _added(asked: Polar[FloatArray], missed: Polar[FloatArray]) -> Polar[FloatArray]:
-    """Undo :func:`_missed`."""
-    gap = (missed.forward + 1j * missed.right) * np.exp(0.5j * asked.heading)
-    return Polar.from_cartesian(asked.forward + gap.real, asked.right + gap.imag, asked.heading + missed.heading)
 
 
 def _rows(outcomes: Polar[FloatArray], chosen: np.ndarray) -> Polar[FloatArray]:

@@ -9,12 +9,10 @@ Letters: G gaits, K bins of a variable, P part-way poses of a gait.
 from __future__ import annotations
 
 import copy
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import methodcaller
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,12 +27,13 @@ from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.data.plausibility import warn_implausible
-from bayeshunt.models.body.opening import OpenTables
+from bayeshunt.models.body.residual_fit import residual_tables
+from bayeshunt.models.body.storing import WritableModel
 from bayeshunt.models.counting.auto_axes import chosen_axes
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
-from bayeshunt.models.formats import csv, model_file, xmlbif
+from bayeshunt.models.motion.residuals import Residuals
 from bayeshunt.models.tables import network, sampling, structures
 from bayeshunt.models.tables.counted import ContextTables, CountedTables, check_every_gait_seen, shares, tables_of
 from bayeshunt.models.tables.given import GivenTables
@@ -45,7 +44,7 @@ __all__ = ["ForwardModel"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class ForwardModel(OpenTables):
+class ForwardModel(WritableModel):
     """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
 
     source: where the tables come from: counted rows, rows counted by the gait before, or another program's network.
@@ -110,6 +109,7 @@ class ForwardModel(OpenTables):
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
         backoff: float | None = None,
+        residual_of: str | Residuals | None = None,
     ) -> ForwardModel:
         """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
 
@@ -125,6 +125,9 @@ class ForwardModel(OpenTables):
         backoff: of "previous_gait", rows > 0 that P(effect | Gait), smoothed by the prior, is worth in each
             P(effect | Gait, PreviousGait), for example 5.0; mean poses lean on those of the gait likewise. None: the
             prior alone smooths them.
+        residual_of: "unicycle": the motion that a gait's command asks for is fitted, and the tables count what it
+            misses, on bins of their own that the rows choose; ``axes`` are then those of :attr:`binned`. The gaits
+            need commands, or the table columns command_0, ...; later updates keep the motion. None: the poses.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
         gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
@@ -133,6 +136,11 @@ class ForwardModel(OpenTables):
         check_hunting(structure)
         record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
         repertoire, grid = measured(gaits, chosen_axes(axes, frame, gaits), record)
+        if residual_of is not None:
+            found = residual_tables(frame, repertoire, grid, residual_of)
+            inner = cls.fit(found.table, found.residuals.gaits, prior, axes=found.residuals.axes, gait_prior=gait_prior,
+                            structure=structure, backoff=backoff)  # fmt: skip
+            return cls.over(found.source(inner.source), inner.provenance, (frame,))
         empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior, backoff=backoff)
         return empty.update(frame)._fitted(structure)
 
@@ -217,15 +225,14 @@ class ForwardModel(OpenTables):
         self._check_whole("update")
         if self.has_counts:
             babbling_table.validate(rows)  # counting checks the gaits
-            warn_implausible(rows, self.gaits, self.axes)
-        counts = self.source.counted.merge(self.source.count(rows))  # type: ignore[arg-type]  # of one kind
+            warn_implausible(rows, self.gaits, self.source.outcome_axes)
+        tables = self.source.learn(rows)
         sources = list(self.provenance.get("sources", []))
         record = rows.attrs.get(babbling_table.PROVENANCE_KEY)
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
-        data = (*self.data, rows)
-        return ForwardModel(counts, self.prior, self.gait_prior, provenance, data, self.structure, self.backoff)
+        return ForwardModel.over(tables, provenance, (*self.data, rows))
 
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the rows that it counted, which no model file holds; DataError for others."""
@@ -274,6 +281,16 @@ class ForwardModel(OpenTables):
     def _parts(self) -> dict[str | None, ForwardModel]:
         return {None: self}
 
+    @property
+    def binned(self) -> ForwardModel:
+        """The model with tables of the poses themselves: of a model of residuals, outcomes of it in ordinary bins.
+
+        The same model unless it was fitted with ``residual_of``. Inverse models, networks and exports are made of it.
+        """
+        if self.source.binned is self.source:
+            return self
+        return ForwardModel.over(self.source.binned, self.provenance, self.data)
+
     def predict(self, gait: Gait | str) -> Polar:
         """Return the expected pose after one step of ``gait``, in the robot's present frame.
 
@@ -294,7 +311,7 @@ class ForwardModel(OpenTables):
         index = self.gaits.index(gait)
         check_whole(n, "n", 0)
         check_generator(rng)
-        return self.source.effects.draw(self.axes, index, rng.random((int(n), sampling.UNIFORMS)))
+        return self.source.draw(index, rng.random((int(n), sampling.UNIFORMS)))
 
     def outcomes(self, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
@@ -304,7 +321,7 @@ class ForwardModel(OpenTables):
         common random numbers. A bin of probability 0 is never chosen.
         """
         draws = sampling.check_uniforms(uniforms)
-        poses = [self.source.effects.draw(self.axes, gait, draws) for gait in range(len(self.gaits))]
+        poses = [self.source.draw(gait, draws) for gait in range(len(self.gaits))]
         return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
 
     def log_likelihood(self, rows: pd.DataFrame | JointCounts | PreviousCounts) -> float:
@@ -318,7 +335,8 @@ class ForwardModel(OpenTables):
         if isinstance(rows, (JointCounts, PreviousCounts)):
             return self.source.log_likelihood(rows)
         babbling_table.validate(rows, self.gaits.names)
-        return self.source.log_likelihood(type(self.source.counted).of(rows, self.gaits, self.axes))
+        counted = type(self.source.counted).of(self.source.recast(rows), self.gaits, self.axes)
+        return self.source.log_likelihood(counted)
 
     def evidence(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
         """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle and Heading."""
@@ -327,42 +345,6 @@ class ForwardModel(OpenTables):
         except (IndexError, TypeError):
             raise InputError("distance_bins, angle_bins, heading_bins: expected bin numbers or arrays") from None
 
-    # --- storing ------------------------------------------------------------------------------
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as JSON (counts, prior, axes, gaits, provenance); see ``models.formats.model_file``."""
-        self._check_whole("save")
-        model_file.save(self, path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> ForwardModel:
-        """Read a model written by :meth:`save`; raises ModelFileError in one clear line."""
-        return cls.over(*model_file.load(path))
-
-    @classmethod
-    def loads(cls, text: str, name: str = "model") -> ForwardModel:
-        """Return the model in the text of a model file; ``name`` is what a ModelFileError calls it."""
-        return cls.over(*model_file.loads(text, name))
-
-    def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write every table as CSV, a row per cell with count and interval; see ``models.formats.csv``."""
-        return csv.write(self.cells, folder)
-
-    def cells(self, variable: str) -> pd.DataFrame:
-        """Return a table as one row per cell, as :meth:`to_csv` writes it; gaits vary slowest.
-
-        Where the gait before is a cause, the effects' tables start with a column previous_gait.
-        """
-        axis = None if variable == "Gait" else self.axes[variable]
-        if axis is None or not depends_on_previous(self.structure):
-            return csv.cells(self.table(variable), axis)
-        parts = {name: csv.cells(self.after(name).table(variable), axis) for name in self.gaits.names}
-        return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
-
-    def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
-        """Export as XMLBIF for other programs, with a map of state labels beside it."""
-        xmlbif.write(self, path)
-
     def __repr__(self) -> str:
         bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
         after = "".join(f" after {state!r}" for state in self.known.values())
@@ -370,6 +352,7 @@ class ForwardModel(OpenTables):
             return f"<ForwardModel{after}: imported, {len(self.gaits)} gaits, bins {bins}>"
         kind = "" if self.structure.is_naive else f", structure {self.structure.name}"
         kind += "" if self.backoff is None else f", back-off {self.backoff:g}"
+        kind += "" if self.source.residual_of is None else f", residuals of the {self.source.residual_of}"
         rows = f"{len(self.gaits)} gaits, {self.joint.total} rows"
         return f"<ForwardModel{after}: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
 

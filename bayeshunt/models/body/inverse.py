@@ -47,6 +47,7 @@ class InverseModel:
 
     def __init__(self, model: ForwardModel) -> None:
         check_kind(model, "model", ForwardModel, "a ForwardModel")
+        model = model.binned
         self._cells = model.learned_cells  # [M, 2], sorted
         if not len(self._cells):
             raise ZeroCountError("the forward model has counted nothing, so it has no inverse; babble first")

@@ -127,8 +127,9 @@ class OpenTables:
 
     @cached_property
     def network(self) -> Any:
-        """The model as a pgmpy DiscreteBayesianNetwork; its states are :attr:`states`."""
-        return network.build(self.local_tables, self.states, self.structure)
+        """The model as a pgmpy DiscreteBayesianNetwork; its states are :attr:`states` (of residuals: of ``binned``)."""
+        tables = self.source.binned
+        return network.build(tables.local, tables.states, tables.structure)
 
     @property
     def mean_paths(self) -> np.ndarray | None:  # [G, P + 1, 3]: forward m, right m, heading rad
@@ -158,7 +159,7 @@ class OpenTables:
     def _counted_rows(self) -> CountedRows:
         """The rows that the model has counted."""
         frames = (self.source.select(frame) for frame in self.data)
-        return CountedRows(self.joint, [frame for frame in frames if len(frame)])
+        return CountedRows(self.joint, [frame for frame in frames if len(frame)], self.source.recast)
 
     def cpt(self, variable: str) -> pd.DataFrame:
         """Return a CPT to look at: rows = bins, columns = gaits; "Gait": one column "probability"."""
@@ -205,13 +206,14 @@ class OpenTables:
         self._check_rows()
         if self.known:
             raise InputError("this is the part of a model; leave rows out of the whole model")
-        reach = self.joint.cells[:, 1].max(initial=0) + 1
-        grown = self.axes.distance.bins == reach  # else the bins were given so many
-        axes = replace(self.axes, distance=replace(self.axes.distance, bins=1)) if grown else self.axes
+        axes, reach = self.source.outcome_axes, self.joint.cells[:, 1].max(initial=0) + 1
+        grown = axes.distance.bins == reach or self.source.residuals is not None  # else the bins were given so many
+        axes = replace(axes, distance=replace(axes.distance, bins=1)) if grown else axes
         whole: Any = type(self)
         fitted: Self = whole.fit(
             remaining(self._counted_rows, rows), self.gaits, self.prior,
             axes=axes, gait_prior=self.gait_prior, structure=self.structure, backoff=self.backoff,
+            residual_of=self.source.residuals,
         )  # fmt: skip
         return fitted
 
@@ -230,13 +232,16 @@ class OpenTables:
         others = tuple(p for p in self.structure.parents(variable) if p not in ("Gait", *self.known))
         if not self.has_counts:
             probability = self.cpt(variable)
-            return ProbabilityTable(variable, probability, None, None, None, level, None, summed_over=others)
+            return ProbabilityTable(
+                self._named(variable), probability, None, None, None, level, None, summed_over=others
+            )
         low = high = None
         if not self._is_set(variable):
             low, high = self.credible_interval(variable, level)
         return ProbabilityTable(
-            variable, self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known, others
-        )
+            self._named(variable), self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known,
+            others,
+        )  # fmt: skip
 
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Return the lower and upper bound of each cell's credible interval, shaped as :meth:`cpt`.
@@ -260,6 +265,10 @@ class OpenTables:
             low, high = low[:, 0], high[:, 0]
         return self._labelled(variable, low, "low"), self._labelled(variable, high, "high")
 
+    def _named(self, variable: str) -> str:
+        """What a table is of: "Distance", in a model of residuals "Distance residual"."""
+        return f"{variable} residual" if self.source.residual_of and variable != "Gait" else variable
+
     def _is_set(self, variable: str) -> bool:
         """Whether a table was chosen rather than estimated."""
         return variable == "Gait" and self.gait_prior == "uniform"
@@ -271,5 +280,5 @@ class OpenTables:
     def _labelled(self, variable: str, values: np.ndarray, column: str) -> pd.DataFrame:
         if variable == "Gait":
             return pd.DataFrame({column: values}, index=pd.Index(self.gaits.names, name="Gait"))
-        index = pd.Index(self.axes[variable].labels, name=variable)
+        index = pd.Index(self.axes[variable].labels, name=self._named(variable))
         return pd.DataFrame(values.copy(), index=index, columns=pd.Index(self.gaits.names, name="Gait"))

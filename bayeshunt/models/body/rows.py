@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,17 @@ class CountedRows:
     """The rows that a model has counted, with the cell that each of them fell into.
 
     frame: the rows [N], in order. cells: int64 [N, 4], bins of (gait, Distance, Angle, Heading).
+    recast: gives rows as the model counts them, see ``TableSource.recast``.
 
     Raises DataError unless the counts of ``frames`` are ``mine``, the model's own.
     """
 
-    def __init__(self, mine: JointCounts, frames: Sequence[pd.DataFrame]) -> None:
+    def __init__(
+        self,
+        mine: JointCounts,
+        frames: Sequence[pd.DataFrame],
+        recast: Callable[[pd.DataFrame], pd.DataFrame] = lambda rows: rows,
+    ) -> None:
         self.gaits, self.axes = mine.gaits, mine.axes
         rows, total = sum(map(len, frames)), mine.total
         if not rows:
@@ -37,10 +43,11 @@ class CountedRows:
         # A copy, so that what is shown stays what was counted even if the caller's table changes.
         self.frame = pd.concat(frames, ignore_index=len(frames) > 1).copy()
         babbling_table.validate(self.frame, self.gaits.names)
-        counted = JointCounts.of(self.frame, self.gaits, self.axes)
+        as_counted = recast(self.frame)
+        counted = JointCounts.of(as_counted, self.gaits, self.axes)
         if not (np.array_equal(counted.cells, mine.cells) and np.array_equal(counted.counts, mine.counts)):
             raise DataError("these are not the rows that the model counted; give the table that it was fitted to")
-        self.cells = babbling_table.discretise(self.frame, self.gaits, self.axes)
+        self.cells = babbling_table.discretise(as_counted, self.gaits, self.axes)
 
     def find(self, variable: str, bin: Any, gait: Gait | str | None) -> pd.DataFrame:
         """Return the rows in one cell; see ``ForwardModel.rows``."""

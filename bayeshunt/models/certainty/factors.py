@@ -14,7 +14,8 @@ import numpy as np
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import InputError
-from bayeshunt.models.tables.counted import ContextTables, CountedTables
+from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.tables.counted import CountedTables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import PREVIOUS
 
@@ -76,8 +77,8 @@ def factors(source: TableSource, bins: dict[str, int], pseudo: float | None = No
 
 def _cause(source: TableSource, cause: str, pseudo: float | None) -> Factor:
     table = source.causes[cause]
-    if isinstance(source, ContextTables) and cause == PREVIOUS:
-        counts = source.by_previous.pairs.sum(axis=1)
+    if cause == PREVIOUS and isinstance(source.counted, PreviousCounts):
+        counts = source.counted.pairs.sum(axis=1)
     else:
         pooled = source.pooled if isinstance(source, CountedTables) and source.pooled is not None else source
         counts = pooled.joint.marginal("Gait")
@@ -100,11 +101,8 @@ def _effect(source: TableSource, effect: str, bins: dict[str, int], pseudo: floa
 
 def _pseudo(source: TableSource, effect: str, pseudo: float | None) -> np.ndarray | float:
     """Pseudo-counts that broadcast over a table [K, ...parents]."""
-    if pseudo is None and source.backoff is not None:
-        if isinstance(source, ContextTables):
-            leant: np.ndarray = source.backoff * source.pooled.effects.local[effect][:, :, None]
-            return leant
-        return source.pseudo_counts(effect)
+    if pseudo is None and (leant := source.local_pseudo(effect)) is not None:
+        return leant
     return _number(source.prior, source.cells.size(effect), pseudo)
 
 
@@ -119,13 +117,7 @@ def _number(prior: float, states: int, pseudo: float | None) -> float:
 
 def pseudo_words(source: TableSource, pseudo: float | None) -> str:
     """Return which pseudo-counts an interval rests on: "pseudo-count 0.5 a cell"."""
-    if pseudo is not None:
-        return f"pseudo-count {pseudo:g} a cell"
-    if source.backoff is not None and not (isinstance(source, CountedTables) and source.pooled is None):
-        return f"pseudo-counts of the back-off, {source.backoff:g} rows of each gait's own table"
-    if source.prior > 0:
-        return f"pseudo-count {source.prior:g} a cell, the model's prior"
-    return "pseudo-count 1/K a cell (K bins), as the model has no prior"
+    return source.pseudo_words if pseudo is None else f"pseudo-count {pseudo:g} a cell"
 
 
 def spread(factor: Factor, values: np.ndarray, extra: int = 0) -> np.ndarray:

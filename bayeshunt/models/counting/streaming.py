@@ -11,6 +11,8 @@ import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import pandas as pd
+
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
@@ -70,6 +72,25 @@ def count_tables(
             first += len(frame)
             if progress is not None:
                 progress(len(frame))
-    # In an order of their own, so that the model file does not depend on the order of the tables.
+    return counts, _sources(tables)
+
+
+def rows_of(
+    tables: Sequence[Batches], gaits: GaitRepertoire, progress: Callable[[int], None] | None = None
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Return all rows as one table in memory, for fits that choose bins or a motion, and the provenance as above."""
+    parts = []
+    for table in tables:
+        for frame in table.of(gaits.names):
+            parts.append(frame)
+            if progress is not None:
+                progress(len(frame))
+    rows = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
+    rows.attrs = dict(parts[0].attrs)
+    return rows, _sources(tables)
+
+
+def _sources(tables: Sequence[Batches]) -> dict[str, Any]:
+    """The record of each table, in an order of their own: the model file does not depend on the order of the tables."""
     sources = sorted({json.dumps(table.provenance, sort_keys=True) for table in tables if table.provenance})
-    return counts, {"sources": [json.loads(text) for text in sources]} if sources else {}
+    return {"sources": [json.loads(text) for text in sources]} if sources else {}

@@ -25,7 +25,10 @@ from bayeshunt.files.records import checksum as _checksum
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.motion.residuals import UNICYCLE, Residuals
+from bayeshunt.models.motion.unicycle import Unicycle
 from bayeshunt.models.tables.counted import ContextTables, CountedTables, tables_of
+from bayeshunt.models.tables.residual import DrawnTables, ResidualTables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
@@ -35,14 +38,16 @@ __all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "lo
 KIND = "bayeshunt forward model"
 #: The command that makes one.
 MAKER = "bayeshunt fit babbling.parquet"
-#: Newest version of the layout of ``content``: tables with back-off, whose strength it holds.
-FORMAT = 4
+#: Newest version of the layout of ``content``: tables of what a motion misses, with the motion and the poses' counts.
+FORMAT = 5
+#: Tables with back-off, whose strength it holds.
+_FORMAT_WITH_BACKOFF = 4
 #: What a model that depends on the gait before is written in, without back-off.
 _FORMAT_WITH_PREVIOUS = 3
 #: What a model that does not depend on the gait before is written in, so that older programs can read it.
 _FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
-READABLE = (1, 2, 3, 4)
+READABLE = (1, 2, 3, 4, 5)
 
 _RECORD = RecordKind(KIND, MAKER, READABLE)
 
@@ -62,7 +67,7 @@ class Storable(Protocol):
 class Stored(NamedTuple):
     """What a model file holds: the counted tables, and where their rows came from."""
 
-    source: CountedTables | ContextTables
+    source: CountedTables | ContextTables | ResidualTables
     provenance: Mapping[str, Any]
 
 
@@ -93,7 +98,9 @@ def dumps(model: Storable) -> str:
 
     Raises InputError for an imported network, which has no counts to hold.
     """
-    if not isinstance(model.source, (CountedTables, ContextTables)):
+    if isinstance(model.source, DrawnTables):
+        raise InputError("these are the ordinary tables of a model of residuals; save that model itself")
+    if not isinstance(model.source, (CountedTables, ContextTables, ResidualTables)):
         raise InputError("an imported network has no counts, which a model file needs; export it: to_xmlbif")
     content = _content(model.source, model.provenance)
     facts = {"kind": KIND, "format": _version(model.source), "checksum": _checksum(content)}
@@ -111,34 +118,58 @@ def loads(text: str, name: str = "model") -> Stored:
         raise _RECORD.malformed(name, error) from None
 
 
-def _version(tables: CountedTables | ContextTables) -> int:
+def _version(tables: CountedTables | ContextTables | ResidualTables) -> int:
     """The oldest format that can say everything, so that older programs can read the file."""
-    if tables.backoff is not None:
+    if isinstance(tables, ResidualTables):
         return FORMAT
+    if tables.backoff is not None:
+        return _FORMAT_WITH_BACKOFF
     return _FORMAT_WITH_PREVIOUS if isinstance(tables, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
 
 
 # --- a model as plain numbers ----------------------------------------------------------------------
 
 
-def _content(tables: CountedTables | ContextTables, provenance: Mapping[str, Any]) -> dict[str, Any]:
-    gaits, table = tables.gaits, tables.cells
-    sums = _sums_by_previous(tables.by_previous) if isinstance(tables, ContextTables) else tables.joint.sums
+def _content(tables: CountedTables | ContextTables | ResidualTables, provenance: Mapping[str, Any]) -> dict[str, Any]:
+    gaits = tables.gaits
     leaning = {} if tables.backoff is None else {"backoff": tables.backoff}
+    motion = _residual_record(tables) if isinstance(tables, ResidualTables) else {}
     return {
         **leaning,
-        "axes": {axis.name: _axis_record(axis) for axis in tables.axes},
+        **motion,
+        **_counts_record(tables.counted),
         "body_length": gaits.body_length,
-        "cells": np.column_stack([table.cells, table.counts]).tolist(),
-        "cells_columns": [*table.names, "count"],
         "duration": gaits.duration,
         "gait_prior": tables.gait_prior,
         "gaits": [{"name": gait.name, "command": list(gait.command)} for gait in gaits],
-        "pose_sums": sums.tolist(),
         "prior": tables.prior,
         "provenance": _plain(dict(provenance)),
         "structure": {"name": tables.structure.name, "edges": [list(edge) for edge in tables.structure.edges]},
     }
+
+
+def _counts_record(counts: JointCounts | PreviousCounts) -> dict[str, Any]:
+    """Bins, counted cells and fixed-point sums."""
+    table = counts.table
+    sums = _sums_by_previous(counts) if isinstance(counts, PreviousCounts) else counts.sums
+    return {
+        "axes": {axis.name: _axis_record(axis) for axis in counts.axes},
+        "cells": np.column_stack([table.cells, table.counts]).tolist(),
+        "cells_columns": [*table.names, "count"],
+        "pose_sums": sums.tolist(),
+    }
+
+
+def _residual_record(tables: ResidualTables) -> dict[str, Any]:
+    """The motion whose residuals are counted, the bins they were given, and the counts of the poses themselves."""
+    motion, axes = tables.residuals.motion, tables.residuals.axes
+    return {
+        "residual_of": {
+            "motion": UNICYCLE, "forward": list(motion.forward), "left": list(motion.left),
+            "axes": {axis.name: _axis_record(axis) for axis in axes},
+        },
+        "outcomes": _counts_record(tables.seen),
+    }  # fmt: skip
 
 
 def _sums_by_previous(counts: PreviousCounts) -> np.ndarray:
@@ -176,19 +207,38 @@ def _model(content: Any, structure: Structure) -> Stored:
         body_length=_measure(content["body_length"]),
         duration=_measure(content["duration"]),
     )
-    axes = EffectAxes(*(_axis(name, content["axes"][name]) for name in EFFECTS))
     # None would be taken for a default, and a file says what it was fitted with
     prior = check_pseudo_count(content["prior"], "prior")
     gait_prior, provenance = content["gait_prior"], dict(content["provenance"])
+    if depends_on_previous(structure) and structure != PREVIOUS_GAIT:
+        raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
+    counts = _counts(content, structure, gaits)
+    tables = tables_of(counts, prior, gait_prior, structure, content.get("backoff"))
+    if "residual_of" not in content:
+        return Stored(tables, provenance)
+    return Stored(ResidualTables(tables, _residuals(content["residual_of"], gaits),
+                                 _counts(content["outcomes"], structure, gaits)), provenance)  # fmt: skip
+
+
+def _counts(content: Any, structure: Structure, gaits: GaitRepertoire) -> JointCounts | PreviousCounts:
+    """The counts of bins, cells and sums, of the kind that the structure needs."""
+    axes, rows = _axes(content["axes"]), _whole(content["cells"], 2)
     if depends_on_previous(structure):
-        if structure != PREVIOUS_GAIT:
-            raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
-        rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 4)
-        counts = _previous_counts(rows.reshape(-1, 6), sums, gaits, axes)
-        return Stored(tables_of(counts, prior, gait_prior, backoff=content.get("backoff")), provenance)
-    rows, sums = _whole(content["cells"], 2), _whole(content["pose_sums"], 3)
-    joint = _joint_counts(rows.reshape(-1, 5), sums, gaits, axes)
-    return Stored(tables_of(joint, prior, gait_prior, structure), provenance)
+        return _previous_counts(rows.reshape(-1, 6), _whole(content["pose_sums"], 4), gaits, axes)
+    return _joint_counts(rows.reshape(-1, 5), _whole(content["pose_sums"], 3), gaits, axes)
+
+
+def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
+    if record["motion"] != UNICYCLE:
+        raise ValueError(f"residual_of: unknown motion {record['motion']!r}")
+    motion = Unicycle(*(tuple(float(v) for v in record[name]) for name in ("forward", "left")))
+    if {len(gait.command) for gait in gaits} != {len(motion.forward)} or len(motion.left) != len(motion.forward):
+        raise ValueError("residual_of: the motion has other actuators than the gaits")
+    return Residuals(motion, gaits, _axes(record["axes"]))
+
+
+def _axes(record: Any) -> EffectAxes:
+    return EffectAxes(*(_axis(name, record[name]) for name in EFFECTS))
 
 
 def _measure(value: Any) -> float | None:

@@ -51,6 +51,7 @@ class Network:
     def __init__(self, model: Any) -> None:
         self._widget: Any = None
         model = model.model if isinstance(model, InverseModel) else model
+        model = model.binned if isinstance(model, ForwardModel) else model
         self._axes = model.axes if isinstance(model, ForwardModel) else None
         if isinstance(model, ForwardModel):
             tables = model.local_tables

@@ -38,6 +38,7 @@ __all__ = ["GAIT_PRIORS", "ContextTables", "CountedTables", "tables_of"]
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")
+_LEANT = "pseudo-counts of the back-off, {:g} rows of each gait's own table"
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,22 @@ class CountedTables(TableSource):
             return self.prior
         return self.backoff * self.pooled.effects.local[variable]
 
+    def local_pseudo(self, effect: str) -> np.ndarray | None:
+        """Pseudo-counts of the tables leant on; None where the part stands alone."""
+        return self.backoff * self.pooled.effects.local[effect] if self.pooled is not None and self.backoff else None
+
+    @property
+    def pseudo_words(self) -> str:
+        """Which pseudo-counts an interval rests on."""
+        return super().pseudo_words if self.pooled is None or self.backoff is None else _LEANT.format(self.backoff)
+
+    def learn(self, rows: pd.DataFrame) -> CountedTables:
+        """Return the tables that have also counted ``rows``."""
+        more: Any = self.count(rows)
+        made = tables_of(self.counted.merge(more), self.prior, self.gait_prior, self.structure, self.backoff)
+        assert isinstance(made, CountedTables)
+        return made
+
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of this context; all, if there is none."""
         if PREVIOUS not in self.known:
@@ -198,6 +215,15 @@ class ContextTables(TableSource):
         before = _share(self.by_previous.pairs.sum(axis=1), self.prior, self.gait_prior, PREVIOUS)
         return {PREVIOUS: before, **self.pooled.causes}
 
+    def local_pseudo(self, effect: str) -> np.ndarray | None:
+        """Pseudo-counts [K, G, 1] of the tables leant on."""
+        return None if self.backoff is None else self.backoff * self.pooled.effects.local[effect][:, :, None]
+
+    @property
+    def pseudo_words(self) -> str:
+        """Which pseudo-counts an interval rests on."""
+        return super().pseudo_words if self.backoff is None else _LEANT.format(self.backoff)
+
     @property
     def learned_cells(self) -> np.ndarray:
         """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted."""
@@ -225,6 +251,13 @@ class ContextTables(TableSource):
             raise InputError("structure 'previous_gait' needs PreviousCounts: these do not know the gait before")
         parts = zip(self.gaits.names, seen.after, strict=True)
         return sum(self.given({PREVIOUS: name}).log_likelihood(part) for name, part in parts if part.total)
+
+    def learn(self, rows: pd.DataFrame) -> ContextTables:
+        """Return the tables that have also counted ``rows``."""
+        more: Any = self.count(rows)
+        made = tables_of(self.counted.merge(more), self.prior, self.gait_prior, self.structure, self.backoff)
+        assert isinstance(made, ContextTables)
+        return made
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows that a gait went before."""

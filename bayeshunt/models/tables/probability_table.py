@@ -14,7 +14,8 @@ from bayeshunt.core import displays
 class ProbabilityTable:
     """P(variable | Gait) as it is shown: four frames of one shape, rows = bins, columns = gaits.
 
-    variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability").
+    variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability"); in a model of residuals
+        "Distance residual" and so on.
     probability: columns sum to 1. count: the rows behind each probability.
     low, high: bounds of each cell's Dirichlet credible interval at ``level``; None for a P(Gait) that is set to
         uniform, which nobody estimated.

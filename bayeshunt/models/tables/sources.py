@@ -15,10 +15,13 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
+from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
+from bayeshunt.models.motion.residuals import Residuals
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.effects import IndependentEffects, JointEffects
 from bayeshunt.models.tables.structures import PREVIOUS, Structure, depends_on_previous
@@ -60,6 +63,26 @@ class TableSource(ABC):
         before = {PREVIOUS: list(self.gaits.names)} if depends_on_previous(self.structure) else {}
         return {**before, **network.state_names(self.gaits, self.axes)}
 
+    @property
+    def residual_of(self) -> str | None:
+        """The motion whose residuals the tables count, "unicycle"; None: they count the poses themselves."""
+        return None
+
+    @property
+    def residuals(self) -> Residuals | None:
+        """The motion behind the tables; None: they know of none."""
+        return None
+
+    @property
+    def outcome_axes(self) -> EffectAxes:
+        """The bins of the poses themselves."""
+        return self.axes
+
+    @property
+    def binned(self) -> TableSource:
+        """The tables of the poses themselves."""
+        return self
+
     # --- probabilities ------------------------------------------------------------------------
 
     @property
@@ -75,6 +98,17 @@ class TableSource(ABC):
     def pseudo_counts(self, variable: str) -> np.ndarray | float:
         """Dirichlet pseudo-counts behind P(variable | Gait): one for all cells, or [K, G]."""
         return self.prior
+
+    def local_pseudo(self, effect: str) -> np.ndarray | None:
+        """Return the pseudo-counts of the network's own table [K, ...parents]; None: the prior in each cell."""
+        return None
+
+    @property
+    def pseudo_words(self) -> str:
+        """Which pseudo-counts an interval rests on: "pseudo-count 0.5 a cell"."""
+        if self.prior > 0:
+            return f"pseudo-count {self.prior:g} a cell, the model's prior"
+        return "pseudo-count 1/K a cell (K bins), as the model has no prior"
 
     # --- counts -------------------------------------------------------------------------------
 
@@ -95,7 +129,16 @@ class TableSource(ABC):
 
     def count(self, rows: pd.DataFrame) -> JointCounts | PreviousCounts:
         """Return the counts of further rows, of the kind of :attr:`counted`; DataError if they are wrong."""
-        return type(self.counted).of(rows, self.gaits, self.axes)
+        return type(self.counted).of(self.recast(rows), self.gaits, self.axes)
+
+    def recast(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """Return a babbling table as the tables count it: the poses of its rows, or what a motion misses of them."""
+        return rows
+
+    def learn(self, rows: pd.DataFrame) -> TableSource:
+        """Return the tables that have also counted ``rows``; InputError for those that cannot."""
+        self.count(rows)
+        raise InputError("these tables cannot learn from further rows")
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return those of ``rows`` that such tables count."""
@@ -116,6 +159,10 @@ class TableSource(ABC):
     @abstractmethod
     def mean_pose(self, gait: int) -> np.ndarray:
         """Return float64 [3]: mean forward [m], right [m], heading [rad] at the end; ZeroCountError if unknown."""
+
+    def draw(self, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
+        """Return the poses [...] of one gait that ``uniforms`` [..., 6] in [0, 1) choose."""
+        return self.effects.draw(self.axes, gait, uniforms)
 
     def given(self, context: Mapping[str, str]) -> TableSource:
         """Return the tables in a context, {"PreviousGait": name}; these, if it makes no difference to them."""

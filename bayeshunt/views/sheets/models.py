@@ -37,7 +37,7 @@ def forward_model(model: ForwardModel) -> Sheet:
         return Sheet(title, _origin(model), pairs, [Note(f"Nothing to show yet: {error}.")])
     note = Note(grounds.SUMMED_OVER) if depends_on_previous(model.structure) else None
     drawn = [Drawn(partial(heat_table, t), title=t.title, opened=i == 0) for i, t in enumerate(tables)]
-    parts = [Drawn(lambda: network.network(model)), note, *drawn, Printed(lambda: _gaits(model).lines())]
+    parts = [Drawn(lambda: network.network(model.binned)), note, *drawn, Printed(lambda: _gaits(model).lines())]
     return Sheet(title, _origin(model), pairs, parts)
 
 
@@ -45,7 +45,10 @@ def _facts(model: ForwardModel) -> list[tuple[str, object]]:
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
     if not model.has_counts:
         return [("gaits", len(model.gaits)), ("bins", bins), ("counts and intervals", "unknown")]
+    motion = model.source.residual_of
+    beside = [] if motion is None else [("tables of", f"what the fitted {motion} misses; drawn: the poses it gives")]
     return [
+        *beside,
         ("gaits", len(model.gaits)),
         ("babbling rows", model.joint.total or "none counted here"),
         ("bins", bins),

@@ -62,9 +62,12 @@ class Unicycle:
         return cls(tuple(best[:actuators].tolist()), tuple(best[actuators:].tolist()))
 
     def predict(self, commands: FloatArray) -> Polar[FloatArray]:
-        """Return the pose after one time-step of each command [N, A]: Polar of arrays [N], clockwise."""
+        """Return the pose after one time-step of each command [N, A]: Polar of arrays [N], clockwise.
+
+        The heading is not wrapped: it says how far the arc turned.
+        """
         x, y, yaw = _arc(np.asarray(commands, dtype=float), np.array(self.forward), np.array(self.left))
-        return Polar.from_cartesian(x, -y, -yaw)
+        return Polar.from_cartesian(x, -y)._replace(heading=-yaw)
 
 
 def _arc(commands: FloatArray, forward: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
