@@ -31,6 +31,7 @@ from bayeshunt.experiments.protocol import hunt_seed, learn_model
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.experiments.studies.memories import remember
 from bayeshunt.experiments.studies.references import reference
+from bayeshunt.planners.api import Planner
 from bayeshunt.planners.asking import Timed
 from bayeshunt.planners.registry import is_ab_initio
 from benchmarks.interventions import FORESEEN, register
@@ -119,21 +120,31 @@ def table(planner: str, experiment: str) -> dict[str, Any]:
     return {"tables": remember(settings, seed=1000)} if planner.startswith("memory") else {}
 
 
-def hunts(settings: ExperimentSettings, row: Row, given: dict[str, Any], arena: str, seed: int) -> tuple[list, list]:
-    """Hunt with one row in one arena, with one seed: (time, caught) of every hunt, CPU seconds of every decision."""
+def prepared(
+    settings: ExperimentSettings, row: Row, given: dict[str, Any], arena: str, seed: int
+) -> tuple[Planner, list[float]]:
+    """Return a row's planner, ready to hunt in an arena, and the list that the CPU seconds of its decisions go into."""
     register()
     model = learn_model(settings, seed)
     mine = {**settings.planner.get(row.planner, {}), **given, **row.settings}
     settings = settings.model_copy(update={"planner": {row.planner: mine}})
     rooms = learn_rooms(settings, [row.planner], [arena], seed, model)
     planner = prepare_planner(row.planner, model, settings, rooms, arena)
-    timed = planner if row.planner == "kinematic_limit" else Timed(planner)
+    if row.planner == "kinematic_limit":
+        return planner, []
+    timed = Timed(planner)
+    return timed, timed.seconds
+
+
+def hunts(settings: ExperimentSettings, row: Row, given: dict[str, Any], arena: str, seed: int) -> tuple[list, list]:
+    """Hunt with one row in one arena, with one seed: (time, caught) of every hunt, CPU seconds of every decision."""
+    planner, seconds = prepared(settings, row, given, arena, seed)
     ends = []
     for index, theta in enumerate(settings.protocol.thetas):
         for run in range(settings.protocol.runs):
-            result = run_hunt(settings, timed, arena, theta, hunt_seed(seed, index, run))
+            result = run_hunt(settings, planner, arena, theta, hunt_seed(seed, index, run))
             ends.append((result.time, result.caught))
-    return ends, getattr(timed, "seconds", [])
+    return ends, seconds
 
 
 def measure(experiment: dict[str, Any], row: Row, arena: str, seeds: list[int], pool: Parallel) -> dict[str, Any]:
