@@ -1,4 +1,4 @@
-"""Planners in worlds that they were not chosen in: one table, paired on the same hunts, and how far each is from a bound.
+"""Planners in worlds that they were not chosen in: one table, paired on the same hunts, each held against a bound.
 
 ``python -m benchmarks.worlds [WORLD ...] [--planner NAME ...] [--arena open|walled] [--runs 10] [--seed 0 ...]
 [--cache FOLDER] [--keep NAME ...] [--figure FILE.svg] [--json FILE]``
@@ -9,8 +9,9 @@ same prey and the same noise, so that differences are paired. A result is kept i
 on, this package's code included: a second run only hunts what is missing, and more ``--runs`` only the further ones.
 ``--keep NAME`` takes results of that planner from earlier code, where you know that it has not changed.
 
-Columns: caught, 95 % Wilson interval, mean time (a miss counts the time limit), difference of the mean time to the bound's and
-to that of the best of the simpler planners, each with its standard error over paired hunts, and CPU time of a decision.
+Columns: caught, 95 % Wilson interval, mean time (a miss counts the time limit), difference of the mean time to the
+bound's and to that of the best of the simpler planners, each with its standard error over paired hunts, and CPU time
+of a decision.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ _CODE = ("core", "config", "data", "models", "worlds", "perception", "planners",
 
 @dataclass(frozen=True)
 class World:
-    """A preset and what is changed in it. arenas: where to hunt. bound: the planner that the others are held against."""
+    """A preset and what is changed in it. arenas: where to hunt. bound: the planner that others are held against."""
 
     name: str
     preset: str = "paper"
@@ -120,7 +121,7 @@ def _is_text(line: ast.stmt) -> bool:
 
 @dataclass
 class Cell:
-    """A planner in an arena of a world, with one seed: the ends (time, caught) of its hunts by run, all bearings each."""
+    """A planner in an arena of a world, with one seed: the ends (time, caught) of its hunts by run, at all bearings."""
 
     ends: dict[int, list[tuple[float, bool]]]
     decision_ms: float = 0.0

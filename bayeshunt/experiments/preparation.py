@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 
@@ -15,6 +16,9 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.registry import check_hunts, check_needs, check_sections, explores, make_planner
 from bayeshunt.worlds.exploring import explore
+
+#: Seconds for which a robot babbles in an arena before it hunts there: 1,000 time-steps of preset "paper".
+_EXPLORING = 3328.0
 
 
 def check_planners(settings: ExperimentSettings, planners: Iterable[str], *, hunting: bool = False) -> None:
@@ -59,13 +63,14 @@ def learn_room(
 def learn_rooms(
     settings: ExperimentSettings, planners: Iterable[str], arenas: Iterable[str], seed: int, model: ForwardModel
 ) -> dict[str, RoomModel]:
-    """Return the room of each arena, learned there; none if no planner explores.
+    """Return the room of each arena, learned there for ``_EXPLORING`` seconds; none if no planner explores.
 
     seed: of the babbling; the room of an arena is the same whatever else is evaluated.
     """
     if not any(explores(name, settings.planner.get(name, {})) for name in planners):
         return {}
-    return {arena: learn_room(settings, arena=arena, seed=seed, model=model) for arena in arenas}
+    steps = math.ceil(_EXPLORING / settings.robot.gait_duration)
+    return {arena: learn_room(settings, arena=arena, steps=steps, seed=seed, model=model) for arena in arenas}
 
 
 def prepare_planner(

@@ -67,6 +67,15 @@ def test_steps_that_end_elsewhere_than_their_gait_leads_were_held_up():
     assert _held_up(table, model).tolist() == expected
 
 
+def test_a_short_step_is_held_up_by_a_share_of_its_length():
+    """A robot that decides often is stopped by far less than its own length: three tenths of its longest step."""
+    rows = pd.DataFrame({"gait": ["go"], "distance": [0.01], "angle": [0.0], "heading": [0.0]})
+    model = ForwardModel.fit(rows, GaitRepertoire((Gait("go"),), 0.05, 0.1))
+    columns = ["step", "gait", "interval", "x", "y", "theta"]
+    track = pd.DataFrame([(0, "go", 1, 0.0072, 0.0, 0.0), (1, "go", 1, 0.0140, 0.0, 0.0)], columns=columns)
+    assert _held_up(track, model).tolist() == [False, True]
+
+
 def test_walls_of_a_rectangle(model):
     room = RoomModel.fit(made_up_track([(1, 0, 0.4), (-1, 0, 0.3), (0, 1, 0.5), (0, -1, 0.35)]), model)
     table = room.walls()

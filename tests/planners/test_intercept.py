@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 from planner_cases import BODY, STEP, situations
 
+from bayeshunt.config.loading import load_robot
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.prey import PreyModel
-from bayeshunt.models.target.turns import OwnMotion, TurnModel
+from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs, joined
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.intercept import intercept
 from bayeshunt.planners.interception.lookahead import PairPaths, decide, gait_paths, look_ahead
+from bayeshunt.worlds.babbling import babble
 
 
 def situation(distance, angle, heading, transitions=()):
@@ -85,6 +87,46 @@ def test_turn_table_does_not_depend_on_how_transitions_arrive():
     whole, parts = prior.learn(seen), prior.learn(seen[:1]).learn(seen[1:])
     assert (whole.speeds, whole.turns) == (parts.speeds, parts.turns)
     assert prior.learn(reversed(seen)).hazard == whole.hazard
+
+
+def test_joined_transitions_by_hand():
+    right = Polar(0.1, 0.0, 0.5 * math.pi)  # 0.1 m ahead, then a right angle
+    assert joined([right]) == right
+    corner = joined([right, right])
+    assert (corner.forward, corner.right) == pytest.approx((0.1, 0.1))
+    assert joined([right] * 4).distance == pytest.approx(0.0, abs=1e-12)
+    assert joined([right] * 5).heading == pytest.approx(0.5 * math.pi)  # as one who looks only at its end sees it
+
+
+def test_legs_end_now_and_the_oldest_may_lack_steps():
+    seen = [Polar(0.01 * i, 0.0, 0.1) for i in range(1, 6)]
+    assert in_legs(seen, 1) == tuple(seen)
+    legs = in_legs(seen, 2)
+    assert [leg.distance for leg in legs] == pytest.approx([0.02, 0.05, 0.09], rel=1e-2)  # the first at its own pace
+    assert [leg.heading for leg in legs] == pytest.approx([0.1, 0.2, 0.2])
+    assert in_legs((), 3) == ()
+
+
+def test_motion_is_counted_over_body_lengths_whatever_the_time_step():
+    """The same robot that decides eight times as often sees the same turns, speeds and prices."""
+    slow, quick = (_fitted(step) for step in (3.328, 0.416))
+    assert (slow.steps, quick.steps) == (1, 8)
+    assert quick.leg == slow.leg
+    assert quick.prior.prior_speed == pytest.approx(slow.prior.prior_speed, rel=0.03)
+    # Every short step carries momentum over from other gaits: turns come out a little less.
+    assert np.allclose(quick.prior.prior_turns, slow.prior.prior_turns, rtol=0.2)
+    assert quick.homing.heading_price == pytest.approx(slow.homing.heading_price, rel=0.15)
+    straight = [Polar(0.048 * 0.416, 0.0, 0.0)] * 16
+    turned = [*straight, *[Polar(0.01, 0.0, 0.25)] * 8]
+    case = Situation(Polar(0.3, 0.0, 0.0), PreyModel(), body_length=BODY, time_step=0.416)
+    known = quick.prey(replace(case, transitions=tuple(turned)))
+    assert known.speed == pytest.approx(0.048 * 3.328)
+    assert known.turns == pytest.approx((2.0,))  # one turn in three legs, though no step turned by the threshold
+
+
+def _fitted(step):
+    robot = load_robot("khepera").model_copy(update={"gait_duration": step})
+    return intercept(ForwardModel.fit(babble(robot, 400, 0), robot.gaits))
 
 
 @pytest.mark.parametrize(

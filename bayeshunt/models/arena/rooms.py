@@ -24,8 +24,9 @@ from bayeshunt.models.body.forward import ForwardModel
 
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
 _COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
-#: A step ended this many body lengths from where its gait leads: something was in the way.
-_BLOCKED = 1.0
+#: A step ended this many body lengths, or this share of the longest step if that is less, from where its gait leads:
+#: something was in the way.
+_BLOCKED, _SHORT = 1.0, 0.3
 #: A wall is at least this long, and these many blocked poses lie within this many body lengths of it.
 _LENGTH, _SUPPORT, _NEAR = 1.5, 10, 0.1
 #: Edges of the hull whose directions differ by less [rad] are one wall.
@@ -129,7 +130,8 @@ def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:
     miss = np.hypot(
         start[:, 0] + cos * ahead - sin * left - end[:, 0], start[:, 1] + sin * ahead + cos * left - end[:, 1]
     )
-    held = last["step"].to_numpy()[miss > _BLOCKED * model.gaits.need("body_length")]
+    longest = max(float(pose.distance) for pose in led)
+    held = last["step"].to_numpy()[miss > min(_BLOCKED * model.gaits.need("body_length"), _SHORT * longest)]
     return track["step"].isin(held).to_numpy()
 
 

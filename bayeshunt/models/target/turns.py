@@ -8,7 +8,7 @@ is borrowed from the hunter's own forward model ("it moves as I do"). Letters: L
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -38,9 +38,12 @@ class OwnMotion(NamedTuple):
     drift: float
 
     @classmethod
-    def of(cls, model: ForwardModel, threshold: float) -> OwnMotion:
-        """Read each gait's mean outcome; a gait whose heading changes by ``threshold`` [rad] or more turns."""
-        outcomes = [model.predict(gait) for gait in model.gaits]
+    def of(cls, model: ForwardModel, threshold: float, steps: int = 1) -> OwnMotion:
+        """Read each gait's mean outcome; a gait whose heading changes by ``threshold`` [rad] or more turns.
+
+        steps: time-steps for which each gait is held; all that is said is then of so many.
+        """
+        outcomes = [joined([model.predict(gait)] * steps) for gait in model.gaits]
         reach = np.array([float(outcome.distance) for outcome in outcomes])
         turn = np.array([float(outcome.heading) for outcome in outcomes])
         turning = np.abs(turn) >= threshold
@@ -48,7 +51,7 @@ class OwnMotion(NamedTuple):
         top = float(reach[fastest])
         fast = np.abs(turn[turning & (reach >= 0.5 * top)])
         softest = float(fast.min()) if fast.size else math.pi
-        return cls(top, turn[turning], softest, _heading_spread(model, fastest))
+        return cls(top, turn[turning], softest, math.sqrt(steps) * _heading_spread(model, fastest))
 
 
 def _heading_spread(model: ForwardModel, gait: int) -> float:
@@ -58,6 +61,34 @@ def _heading_spread(model: ForwardModel, gait: int) -> float:
     chances, centres = model.probabilities("Heading")[:, gait], model.axes.heading.centres
     resultant = math.hypot(chances @ np.cos(centres), chances @ np.sin(centres))
     return math.sqrt(-2.0 * math.log(min(max(resultant, 1e-12), 1.0)))
+
+
+def joined(transitions: Sequence[Polar]) -> Polar:
+    """Return the one transition that several make, each in the frame that the one before ends in."""
+    if len(transitions) == 1:
+        return transitions[0]
+    forward = right = heading = 0.0
+    for distance, angle, turn in transitions:
+        forward += distance * math.cos(heading + angle)
+        right += distance * math.sin(heading + angle)
+        heading += turn
+    return Polar(math.hypot(forward, right), math.atan2(right, forward), float(wrap(heading)))
+
+
+def in_legs(transitions: Sequence[Polar], steps: int) -> tuple[Polar, ...]:
+    """Return transitions over ``steps`` time-steps each, from those over one; the newest leg ends now.
+
+    The oldest leg may lack steps; its distance is then what it would be at the same pace.
+    """
+    if steps == 1:
+        return tuple(transitions)
+    ends = range(len(transitions), 0, -steps)
+    legs = []
+    for end in reversed(ends):
+        part = transitions[max(0, end - steps) : end]
+        leg = joined(part)
+        legs.append(leg._replace(distance=leg.distance * steps / len(part)))
+    return tuple(legs)
 
 
 @dataclass(frozen=True, eq=False)

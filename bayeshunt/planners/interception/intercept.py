@@ -9,7 +9,7 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.target.turns import OwnMotion, TurnModel
+from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
@@ -34,6 +34,12 @@ class InterceptSettings:
         1.0,
         "what turning towards the prey costs beyond the lookahead, in time-steps per softest full-speed turn",
         ge=0,
+    )
+    leg: Number = setting(
+        3.4,
+        "body lengths at top speed over which motions are compared, by the nearest number of time-steps: hazard, turns "
+        "and prices are per such leg",
+        gt=0,
     )
     prior: Switch = setting(
         True, 'before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False)'
@@ -74,13 +80,17 @@ class InterceptPlanner(PairPlanner):
 
     def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None, **given: Any) -> None:
         self.settings = chosen = self.Settings(**given) if settings is None else settings
-        own = OwnMotion.of(model, chosen.turn_threshold)
-        if not own.top_speed > 0:
-            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
         step, body = model.gaits.need("duration"), model.gaits.need("body_length")
-        price = chosen.heading_price * step / own.softest_turn
+        fastest = OwnMotion.of(model, chosen.turn_threshold).top_speed
+        if not fastest > 0:
+            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
+        steps = max(1, round(chosen.leg * body / fastest))
+        own = OwnMotion.of(model, chosen.turn_threshold, steps)
+        price = chosen.heading_price * steps * step / own.softest_turn
         reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
-        super().__init__(model, Homing(own.top_speed / step, reach, price), chosen.spread * body)
+        super().__init__(model, Homing(own.top_speed / (steps * step), reach, price), chosen.spread * body)
+        #: Time-steps, and seconds, in which the prey's motion is counted.
+        self.steps, self.leg = steps, steps * step
         self.prior = TurnModel(
             prior_speed=chosen.prior_speed * own.top_speed,
             prior_turns=own.turns,
@@ -93,12 +103,12 @@ class InterceptPlanner(PairPlanner):
 
     def prey(self, situation: Situation) -> TurnModel:
         """Return what is known of the prey: the prior and the transitions seen so far."""
-        return self.prior.learn(situation.transitions)
+        return self.prior.learn(in_legs(situation.transitions, self.steps))
 
     def futures(self, situation: Situation) -> Futures:
         """Return the prey's weighted futures, as the hunter sees them now."""
         known = self.prey(situation)
-        futures = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
+        futures = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
         return futures if self.settings.prior or situation.transitions else futures.standing_still()
 
     def reach(self, situation: Situation) -> float:

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.target.turns import TurnModel
+from bayeshunt.models.target.turns import TurnModel, in_legs
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
@@ -92,14 +92,12 @@ class InterceptRoomPlanner(InterceptPlanner):
             return super().futures(situation)
         known = self.prey(situation)
         chances = self._posterior(situation, known)
-        free = turning_futures(situation.prey, known, self.time_step, self.settings.turn_steps)
+        free = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
         parts = [(float(chances[-1]), free)]
-        speed = known.speed / self.time_step
+        speed = known.speed / self.leg
         for walls, chance in zip(self.walls, chances.tolist(), strict=False):
             if chance >= _NEGLIGIBLE:
-                bounced = room_futures(
-                    situation.prey, situation.pose, walls, speed, known.drift, self.time_step, legs=_LEGS
-                )
+                bounced = room_futures(situation.prey, situation.pose, walls, speed, known.drift, self.leg, legs=_LEGS)
                 if bounced is not None:
                     parts.append((chance, bounced))
         return mix(parts)
@@ -117,8 +115,9 @@ class InterceptRoomPlanner(InterceptPlanner):
         logs = np.full(len(self.sizes) + 1, math.log(1.0 - chosen.room_chance))
         logs[:-1] = math.log(chosen.room_chance / len(self.sizes))
         seen = self.prior
-        poses = _earlier_poses(situation)
-        for pose, transition in zip(poses, situation.transitions, strict=True):
+        legs = in_legs(situation.transitions, self.steps)
+        poses = _earlier_poses(situation, legs)
+        for pose, transition in zip(poses, legs, strict=True):
             chance = np.append(self._turn_chance(pose, known.speed), seen.hazard)
             turned = abs(transition.heading) >= seen.threshold
             logs += np.log(np.maximum(chance if turned else 1.0 - chance, 1e-12))
@@ -136,12 +135,12 @@ class InterceptRoomPlanner(InterceptPlanner):
         return error + (1.0 - 2.0 * error) / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
 
 
-def _earlier_poses(situation: Situation) -> Sequence[Pose]:
+def _earlier_poses(situation: Situation, transitions: Sequence[Polar]) -> Sequence[Pose]:
     """Return the prey's poses before each transition, oldest first, in the hunter's starting frame."""
     assert situation.pose is not None
     pose = situation.pose.compose(situation.prey)
     poses = []
-    for distance, angle, heading in reversed(situation.transitions):
+    for distance, angle, heading in reversed(transitions):
         theta = pose.theta + heading
         bearing = theta - angle
         pose = Pose(pose.x - distance * math.cos(bearing), pose.y - distance * math.sin(bearing), theta)

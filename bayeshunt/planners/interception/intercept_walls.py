@@ -79,8 +79,8 @@ class InterceptWallsPlanner(InterceptPlanner):
         known = self.prey(situation)
         if not (self.settings.prior or situation.transitions):
             return super().futures(situation)
-        speed = known.speed / self.time_step
-        found = room_futures(situation.prey, situation.pose, self.walls, speed, known.drift, self.time_step)
+        speed = known.speed / self.leg
+        found = room_futures(situation.prey, situation.pose, self.walls, speed, known.drift, self.leg)
         return super().futures(situation) if found is None else found
 
 
