@@ -211,6 +211,7 @@ def query(
             "cell": answer.cell._asdict(), "asked": answer.target._asdict(), "farthest": answer.farthest,
             "beyond": answer.beyond, "gap": answer.gap, "heading_gap": answer.heading_gap,
             "interval": _interval(answer),
+            **({"energy": _energy(answer)} if answer.model.knows_energy else {}),
         }  # fmt: skip
         if explain:
             facts["explanation"] = _plain(answer.explain())
@@ -229,6 +230,15 @@ def _interval(answer: Any) -> dict[str, Any] | None:
         return None
     found = answer.interval()
     return {**found.attrs, **{end: {str(k): float(v) for k, v in found[end].items()} for end in found}}
+
+
+def _energy(answer: Any) -> dict[str, Any]:
+    """What each gait costs here: rows, mean, interval and spread [J]."""
+    frame = answer.model.energy()
+    frame = frame[frame["previous_gait"].isna()] if frame["previous_gait"].isna().any() else frame
+    names = ["rows", "mean_j", "low_j", "high_j", "sd_j"]
+    found = frame.set_index("gait")[names].astype(object).where(frame.set_index("gait")[names].notna(), None)
+    return {str(gait): dict(row) for gait, row in found.to_dict("index").items()}
 
 
 def _plain(frame: Any) -> dict[str, dict[str, Any]]:

@@ -99,7 +99,7 @@ def _kept(out: Path | None) -> str:
 def tradeoff(
     vary: Annotated[
         list[str] | None,
-        typer.Option(help="Weight to vary: distance, transitions or planning; NAME, or NAME=VALUE,VALUE,..."),
+        typer.Option(help="Weight to vary: distance, transitions, planning or energy; NAME, or NAME=VALUE,VALUE,..."),
     ] = None,
     preset: Preset = None,
     config: Config = None,
@@ -118,7 +118,7 @@ def tradeoff(
 ) -> None:
     """Weigh the time of the catch against distance, changes of gait and planning (planner frugal).
 
-    The weights stand in the settings: [planner.frugal] time, distance, transitions, planning.
+    The weights stand in the settings: [planner.frugal] time, distance, transitions, planning, energy.
 
     Example:  bayeshunt tradeoff --vary transitions --vary distance=0,50,200 --runs 20 --out costs
     """

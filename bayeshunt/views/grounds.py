@@ -36,6 +36,16 @@ def support(answer: Posterior) -> str:
     return words if answer.model.has_counts else f"{words}: {NO_COUNTS}"
 
 
+def energy(answer: Posterior) -> str:
+    """Return what the most probable gait costs: "1.52 J (1.50 to 1.54, 430 rows)", after the gait before if known."""
+    found = answer.model.energy(answer.best)
+    if not len(found) or not found["rows"].iloc[0]:
+        return f"of {answer.best}: unknown here"
+    row = found.iloc[0]
+    spread = f"{row['low_j']:.3g} to {row['high_j']:.3g}, " if pd.notna(row["low_j"]) else ""
+    return f"of {answer.best}: {row['mean_j']:.3g} J ({spread}{rows(row['rows'])})"
+
+
 def interval(answer: Posterior) -> pd.DataFrame | None:
     """Return the answer's 95 % interval; None where nobody knows the counts."""
     return answer.interval() if answer.model.has_counts else None

@@ -20,17 +20,18 @@ from bayeshunt.experiments.run.runner import Progress, evaluate
 from bayeshunt.experiments.scores import mean_interval, wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.asking import Timed
+from bayeshunt.planners.cost import Cost
 from bayeshunt.planners.registry import planner_info
-from bayeshunt.planners.sequences.frugal import CostWeights
 from bayeshunt.planners.settings import settings_fields
 
 #: The planner that weighs its costs; the others are shown beside it.
 WEIGHED = "frugal"
-#: Values of a varied weight by default: per metre, per change of gait, per second of planning.
+#: Values of a varied weight by default: per metre, per change of gait, per second of planning, per joule.
 VARIED: dict[str, tuple[float, ...]] = {
     "distance": (0.0, 10.0, 30.0, 100.0),
     "transitions": (0.0, 1.0, 3.0, 10.0),
     "planning": (0.0, 1e2, 1e3, 1e4),
+    "energy": (0.0, 0.3, 1.0, 3.0),
 }
 
 
@@ -55,7 +56,7 @@ def tradeoff(
     ci_low, ci_high (95 % Wilson), mean_time_s, mean_distance_m, mean_transitions, each of the three with its 95 %
     interval (``..._low``, ``..._high``), planning_ms (median of one decision,
     measured on this machine, alone among the columns in that), mean_planning_s, cost (under the
-    settings' weights).
+    settings' weights); of a body that measures what it spends also mean_energy_j with its interval.
     """
     settings = load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
     vary = {"transitions": VARIED["transitions"]} if vary is None else vary
@@ -96,23 +97,26 @@ def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: st
     return float(np.median(timed.seconds)) if timed.seconds else 0.0
 
 
-def _weights(settings: ExperimentSettings) -> CostWeights:
+def _weights(settings: ExperimentSettings) -> Cost:
     chosen = settings.planner.get(WEIGHED, {})
-    return CostWeights(**{f.name: chosen[f.name] for f in settings_fields(CostWeights) if f.name in chosen})
+    return Cost(**{f.name: chosen[f.name] for f in settings_fields(Cost) if f.name in chosen})
 
 
 def _intervals(hunts: pd.DataFrame) -> dict[str, float]:
     """Low and high of the 95 % intervals of the means."""
     means = {"mean_time_s": "time", "mean_distance_m": "distance", "mean_transitions": "transitions"}
+    if "energy" in hunts:
+        means["mean_energy_j"] = "energy"
     limits = {name: mean_interval(hunts[column].to_numpy()) for name, column in means.items()}
     return {f"{name}_{end}": limit[i] for name, limit in limits.items() for i, end in enumerate(("low", "high"))}
 
 
-def _summary(hunts: pd.DataFrame, weights: CostWeights, per_decision: float) -> dict[str, Any]:
+def _summary(hunts: pd.DataFrame, weights: Cost, per_decision: float) -> dict[str, Any]:
     runs, caught = len(hunts), int(hunts["caught"].sum())
     low, high = wilson_interval(caught, runs)
     planning = float(hunts["decisions"].mean()) * per_decision
     time_s, distance, transitions = (float(hunts[name].mean()) for name in ("time", "distance", "transitions"))
+    spent = {"mean_energy_j": float(hunts["energy"].mean())} if "energy" in hunts else {}
     return {
         "runs": runs,
         "caught": caught,
@@ -122,8 +126,9 @@ def _summary(hunts: pd.DataFrame, weights: CostWeights, per_decision: float) -> 
         "mean_time_s": time_s,
         "mean_distance_m": distance,
         "mean_transitions": transitions,
+        **spent,
         **_intervals(hunts),
         "planning_ms": 1e3 * per_decision,
         "mean_planning_s": planning,
-        "cost": float(weights.total(time_s, distance, transitions, planning)),
+        "cost": float(weights.total(time_s, distance, transitions, planning, spent.get("mean_energy_j", 0.0))),
     }

@@ -18,6 +18,7 @@ from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.models.body.leaving_out import cells_of_row, remaining
 from bayeshunt.models.body.rows import CountedRows
 from bayeshunt.models.counting.cells import CountedCells
+from bayeshunt.models.counting.energy import LEANING, energy_table, expected
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
 from bayeshunt.models.tables import network
@@ -37,6 +38,7 @@ class OpenTables:
     """
 
     source: TableSource
+    whole: Self | None
     data: tuple[pd.DataFrame, ...]
 
     @property
@@ -99,6 +101,56 @@ class OpenTables:
     def counted_cells(self) -> CountedCells:
         """The counts over every variable of the network."""
         return self.source.cells
+
+    @property
+    def knows_energy(self) -> bool:
+        """Whether the rows counted say what each gait cost."""
+        return bool(self._whole().joint.energy.size)
+
+    def energy(
+        self, gait: Gait | str | None = None, previous_gait: Gait | str | None = None, level: float = 0.95
+    ) -> pd.DataFrame:
+        """Return what gaits cost, E[energy | gait, gait before], with its counts and intervals.
+
+        One row for each gait whatever went before it (``previous_gait`` None), then one for each pair babbled:
+        previous_gait, gait, rows, mean_j [J], low_j and high_j (Student's interval of the mean), sd_j.
+        gait, previous_gait: only the rows of these; of the model after a gait, only what follows that gait.
+
+        Raises InputError if no row counted says its energy, or for a gait that is not in the repertoire.
+        """
+        if not 0.0 < check_number(level, "level", _LEVEL) < 1.0:
+            raise InputError(f"level: expected {_LEVEL}, got {level}")
+        frame = energy_table(self._tally(), self.gaits.names, level)
+        before = self.known.get("PreviousGait") if previous_gait is None else previous_gait
+        if before is not None:
+            frame = frame[frame["previous_gait"] == self.gaits.names[self.gaits.index(before)]]
+        if gait is not None:
+            frame = frame[frame["gait"] == self.gaits.names[self.gaits.index(gait)]]
+        return frame.reset_index(drop=True)
+
+    def expected_energy(self, previous_gait: Gait | str | None = None) -> np.ndarray:
+        """Return the expected energy [J] of every gait [G], after ``previous_gait`` if one is given.
+
+        After a gait it leans on the mean of all rows of the gait, as the tables do with back-off: that is worth
+        ``backoff`` rows, 5 where the model has none. NaN for a gait that was never babbled.
+
+        Raises InputError if no row counted says its energy.
+        """
+        before = self.known.get("PreviousGait") if previous_gait is None else previous_gait
+        number = None if before is None else self.gaits.index(before)
+        return expected(self._tally(), number, LEANING if self.backoff is None else self.backoff)
+
+    def _whole(self) -> Self:
+        return self if self.whole is None else self.whole
+
+    def _tally(self) -> np.ndarray:
+        tally = self._whole().joint.energy
+        if not tally.size:
+            raise InputError(
+                "the rows of this model do not say what gaits cost: babble with a body that measures its energy, "
+                "or give the table a column energy [J]"
+            )
+        return tally
 
     def probabilities(self, variable: str) -> np.ndarray:
         """Return a read-only CPT: [K, G] P(variable | Gait), columns sum to 1; [G] for "Gait".

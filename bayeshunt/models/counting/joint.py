@@ -9,7 +9,7 @@ any order, any split and any merging of the same rows gives the same bits.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -21,6 +21,7 @@ from bayeshunt.core.errors import DataError, InputError, ZeroCountError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import wrap
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
+from bayeshunt.models.counting.energy import add_up, nothing, tally_energy
 from bayeshunt.models.counting.tally import SCALE, tally_rows
 
 
@@ -34,6 +35,8 @@ class JointCounts:
     counts: int64 [K], rows seen in each cell, >= 1.
     sums: int64 [G, P + 1, 4], per gait and pose (P part-way poses, then the final one) the sum of
         forward [nm], right [nm], cos(heading) [1e-9] and sin(heading) [1e-9].
+    energy: int64 [G + 1, G, 3], what gaits cost by gait before and gait, see ``models.counting.energy``; of rows that
+        do not say it, of shape [0, 0, 3].
     """
 
     gaits: GaitRepertoire
@@ -41,9 +44,10 @@ class JointCounts:
     cells: np.ndarray
     counts: np.ndarray
     sums: np.ndarray
+    energy: np.ndarray = field(default_factory=nothing)
 
     def __post_init__(self) -> None:
-        for name in ("cells", "counts", "sums"):
+        for name in ("cells", "counts", "sums", "energy"):
             array = np.array(getattr(self, name), dtype=np.int64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -60,7 +64,7 @@ class JointCounts:
         Raises DataError if a row lies absurdly far out (more than MAX_DISTANCE_BINS bins).
         """
         axes = axes.extended(_bins_reached(frame, axes))
-        return cls(gaits, axes, *tally_rows(frame, gaits, axes))
+        return cls(gaits, axes, *tally_rows(frame, gaits, axes), tally_energy(frame, gaits))
 
     def merge(self, other: JointCounts) -> JointCounts:
         """Return the counts of both; equal, bit for bit, to counting all rows at once.
@@ -82,7 +86,7 @@ class JointCounts:
             sums = self.sums + other.sums
         axes = self.axes.extended(other.axes.distance.bins)
         cells, counts = _add_up(np.concatenate([self.cells, other.cells]), np.concatenate([self.counts, other.counts]))
-        return JointCounts(self.gaits, axes, cells, counts, sums)
+        return JointCounts(self.gaits, axes, cells, counts, sums, add_up(self.energy, other.energy))
 
     @property
     def total(self) -> int:
@@ -146,7 +150,7 @@ class JointCounts:
         return (
             self.gaits == other.gaits
             and self.axes == other.axes
-            and all(np.array_equal(getattr(self, n), getattr(other, n)) for n in ("cells", "counts", "sums"))
+            and all(np.array_equal(getattr(self, n), getattr(other, n)) for n in ("cells", "counts", "sums", "energy"))
         )
 
     def __hash__(self) -> int:
@@ -154,7 +158,7 @@ class JointCounts:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Through the constructor, so that arrays sent to another process are read-only there too.
-        return JointCounts, (self.gaits, self.axes, self.cells, self.counts, self.sums)
+        return JointCounts, (self.gaits, self.axes, self.cells, self.counts, self.sums, self.energy)
 
     def _tabulate(self, flat: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         table = np.zeros(int(np.prod(shape)), dtype=np.int64)

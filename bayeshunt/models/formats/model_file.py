@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -23,6 +24,7 @@ from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
 from bayeshunt.files.records import checksum as _checksum
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
+from bayeshunt.models.counting.energy import nothing
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts
 from bayeshunt.models.motion.residuals import UNICYCLE, Residuals
@@ -152,7 +154,9 @@ def _counts_record(counts: JointCounts | PreviousCounts) -> dict[str, Any]:
     """Bins, counted cells and fixed-point sums."""
     table = counts.table
     sums = _sums_by_previous(counts) if isinstance(counts, PreviousCounts) else counts.sums
+    energy = (counts.joint if isinstance(counts, PreviousCounts) else counts).energy
     return {
+        **({"energy": energy.tolist()} if energy.size else {}),
         "axes": {axis.name: _axis_record(axis) for axis in counts.axes},
         "cells": np.column_stack([table.cells, table.counts]).tolist(),
         "cells_columns": [*table.names, "count"],
@@ -192,7 +196,7 @@ def _plain(provenance: dict[str, Any]) -> Any:
 
 
 def _layout(key: str, value: Any) -> str:
-    if key in ("cells", "gaits", "pose_sums"):
+    if key in ("cells", "gaits", "pose_sums", "energy"):
         rows = ",\n  ".join(json.dumps(row, sort_keys=True) for row in value)
         return f"[\n  {rows}]"
     return json.dumps(value, sort_keys=True)
@@ -224,8 +228,10 @@ def _counts(content: Any, structure: Structure, gaits: GaitRepertoire) -> JointC
     """The counts of bins, cells and sums, of the kind that the structure needs."""
     axes, rows = _axes(content["axes"]), _whole(content["cells"], 2)
     if depends_on_previous(structure):
-        return _previous_counts(rows.reshape(-1, 6), _whole(content["pose_sums"], 4), gaits, axes)
-    return _joint_counts(rows.reshape(-1, 5), _whole(content["pose_sums"], 3), gaits, axes)
+        sums = _whole(content["pose_sums"], 4)
+        return _previous_counts(rows.reshape(-1, 6), sums, gaits, axes, _energy(content, gaits))
+    joint = _joint_counts(rows.reshape(-1, 5), _whole(content["pose_sums"], 3), gaits, axes)
+    return replace(joint, energy=_energy(content, gaits))
 
 
 def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
@@ -253,15 +259,32 @@ def _joint_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axe
     return JointCounts(gaits, axes, rows[:, :4], rows[:, 4], sums)
 
 
-def _previous_counts(rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes) -> PreviousCounts:
-    """Counts from rows [K, 6], PreviousGait first, and pose sums [G, G, P + 1, 4]."""
+def _energy(content: Any, gaits: GaitRepertoire) -> np.ndarray:
+    """The tally of energy [G + 1, G, 3]; nothing in files of rows that did not say it."""
+    if "energy" not in content:
+        return nothing()
+    tally = _whole(content["energy"], 3)
+    if tally.shape != (len(gaits) + 1, len(gaits), 3):
+        raise ValueError(f"energy has shape {tally.shape}")
+    return tally
+
+
+def _previous_counts(
+    rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes, energy: np.ndarray
+) -> PreviousCounts:
+    """Counts from rows [K, 6], PreviousGait first, pose sums [G, G, P + 1, 4] and the tally of energy."""
     _check_rows(rows, (len(gaits), len(gaits), *axes.shape))
     if sums.shape[:2] != (len(gaits), len(gaits)):
         raise ValueError(f"pose_sums has shape {sums.shape}")
     after = []
     for before in range(len(gaits)):
         part = rows[rows[:, 0] == before, 1:]
-        after.append(_joint_counts(part, sums[before], gaits, axes) if len(part) else JointCounts.empty(gaits, axes))
+        one = _joint_counts(part, sums[before], gaits, axes) if len(part) else JointCounts.empty(gaits, axes)
+        if energy.size and len(part):
+            own = np.zeros_like(energy)
+            own[before] = energy[before]
+            one = replace(one, energy=own)
+        after.append(one)
     return PreviousCounts(tuple(after))
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.interception.lookahead import gait_paths
 from bayeshunt.planners.search.rollouts import GaitTree
 
@@ -42,24 +43,53 @@ class CapturePaths:
     """The mean path of every gait sequence of a tree, at P points per time-step.
 
     tree: the sequences. points: P. interval: seconds between points. duration: seconds per step.
+    ways: metres along each sequence [N]. fastest: number of the fastest gait.
+    previous_gait: the gait just executed; it and each gait of a sequence say what the next one does where the model
+        depends on the gait before.
     speed: the fastest gait's mean speed [m/s]. turn_price: seconds per radian of heading error, from
     the softest turn that is driven at nearly full speed: it turns so much in one step.
     """
 
-    def __init__(self, model: ForwardModel, depth: int, max_transitions: int) -> None:
-        paths = gait_paths(model)
+    def __init__(
+        self, model: ForwardModel, depth: int, max_transitions: int, *, previous_gait: str | None = None
+    ) -> None:
+        paths = gait_paths(model.after(previous_gait))
+        after = None
+        if depends_on_previous(model.structure):
+            after = np.stack([gait_paths(model.after(gait)) for gait in model.gaits])
         self.duration = model.gaits.need("duration")
         self.points = paths.shape[1]
         self.interval = self.duration / self.points
         self.depth = depth
         self.tree = GaitTree.grow(len(paths), depth, max_transitions)
         self.layers = np.searchsorted(self.tree.steps, np.arange(depth + 2))
-        self._compose(paths)
-        self.lengths = self._lengths(paths)
+        self.by_previous = after is not None
+        self._compose(paths, after)
+        own = gait_paths(model)
+        self.lengths = self._lengths(own)
+        self._ways(paths, after)
+        self.fastest = int(self.lengths.argmax())
         self.speed = float(self.lengths.max() / self.duration)
-        self.turn_price = self._turn_price(paths)
+        self.turn_price = self._turn_price(own)
 
-    def _compose(self, paths: np.ndarray) -> None:
+    def _ways(self, paths: np.ndarray, after: np.ndarray | None) -> None:
+        """Add up the metres along every sequence [N]."""
+        tree, first = self.tree, self._lengths(paths)
+        later = None if after is None else np.stack([self._lengths(part) for part in after])
+        self.ways = np.zeros(len(tree.steps))
+        for step in range(1, self.depth + 1):
+            new = slice(self.layers[step], self.layers[step + 1])
+            gaits, parents = tree.gaits[new], tree.parents[new]
+            moved = first[gaits] if later is None or step == 1 else later[tree.gaits[parents], gaits]
+            self.ways[new] = self.ways[parents] + moved
+
+    def last_ways(self, nodes: np.ndarray) -> np.ndarray:
+        """Return metres along the last gait of sequences [n]."""
+        if self.by_previous:
+            return np.asarray(self.ways[nodes] - self.ways[self.tree.parents[nodes]])
+        return np.asarray(self.lengths[self.tree.gaits[nodes]])  # not the difference, which is rounded
+
+    def _compose(self, paths: np.ndarray, after: np.ndarray | None) -> None:
         """Compose the points [N, P] of every node and its end pose, from its parent's end."""
         tree, count = self.tree, len(self.tree.steps)
         self.forward = np.zeros((count, self.points), dtype=np.float32)
@@ -68,7 +98,10 @@ class CapturePaths:
         for step in range(1, self.depth + 1):
             new = slice(self.layers[step], self.layers[step + 1])
             x, y, heading = self.end[:, tree.parents[new], None]
-            ahead, right, turn = np.moveaxis(paths[tree.gaits[new]], 2, 0)
+            moves = paths[tree.gaits[new]]
+            if after is not None and step > 1:
+                moves = after[tree.gaits[tree.parents[new]], tree.gaits[new]]
+            ahead, right, turn = np.moveaxis(moves, 2, 0)
             cos, sin = np.cos(heading), np.sin(heading)
             forward, across = x + cos * ahead - sin * right, y + sin * ahead + cos * right
             self.forward[new], self.right[new] = forward, across

@@ -1,4 +1,4 @@
-"""A hunter that weighs the time of the catch against energy, changes of gait and thinking."""
+"""A hunter that weighs the time of the catch against way, energy, changes of gait and thinking."""
 
 from __future__ import annotations
 
@@ -7,37 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.cost import Cost, Energies
 from bayeshunt.planners.requests import check_request, predict_prey
-from bayeshunt.planners.sequences.capture import PreyPaths
+from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
 from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 __all__ = ["CostWeights", "Frugal", "FrugalSettings"]
 
-
-@planner_settings("cost")
-class CostWeights:
-    """What each part of a hunt costs; the unit of cost is free."""
-
-    time: Number = setting(1.0, "cost of a second until the catch", ge=0)
-    distance: Number = setting(0.0, "cost of a metre travelled; time or distance must cost something", ge=0)
-    transitions: Number = setting(0.0, "cost of a change of gait", ge=0)
-    planning: Number = setting(0.0, "cost of a second of planning", ge=0)
-
-    def __post_init__(self) -> None:
-        if not self.time + self.distance > 0:
-            raise InputError("cost: time or distance must cost something, or standing still would be best")
-
-    def total(self, time: Any, distance: Any, transitions: Any, planning: Any) -> Any:
-        """Return the cost of seconds, metres, changes of gait and seconds of planning; numbers or arrays."""
-        return self.time * time + self.distance * distance + self.transitions * transitions + self.planning * planning
+#: The weights as they were called before other planners took them.
+CostWeights = Cost
 
 
 @planner_settings("frugal")
-class FrugalSettings(SearchSettings, CostWeights):
+class FrugalSettings(SearchSettings, Cost):
     """Settings of the frugal hunter: what a hunt costs, and how it searches."""
 
     seconds_per_node: Number = setting(1e-6, "seconds that considering one sequence takes", ge=0)
@@ -66,17 +51,13 @@ class Frugal(SequenceHunter):
 
     def __init__(self, model: ForwardModel, settings: FrugalSettings | None = None, **given: Any) -> None:
         super().__init__(model, settings, **given)
-        tree = self.paths.tree
-        self._lengths = np.zeros(len(tree.steps))  # metres along the whole sequence
-        for step in range(1, self.paths.depth + 1):
-            new = slice(self.paths.layers[step], self.paths.layers[step + 1])
-            self._lengths[new] = self._lengths[tree.parents[new]] + self.paths.lengths[tree.gaits[new]]
         self._first = self._first_gaits()
+        self._energy = Energies(model) if self.settings.energy else None
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of least cost."""
         situation = check_request(situation, rng, self.hunter)
-        paths, known = self.paths, not situation.prey_model.is_empty
+        paths, known = self.paths_after(situation.previous_gait), not situation.prey_model.is_empty
         prey = self._prey(situation)
         reach = self.reach(situation)
         caught = paths.first_captures(prey, reach)[0]
@@ -84,7 +65,7 @@ class Frugal(SequenceHunter):
         best = math.inf
         for depth in range(1, paths.depth + 1):
             new = np.arange(paths.layers[depth], paths.layers[depth + 1])
-            costs = self._costs(new, caught, prey, reach, situation)
+            costs = self._costs(paths, new, caught, prey, reach, situation)
             shallower, best = best, min(best, float(costs.min()))
             values[new] = costs
             # looking further can gain at most what is left to pay
@@ -104,20 +85,35 @@ class Frugal(SequenceHunter):
         return bool(self.settings.planning * self.settings.seconds_per_node * more > gained)
 
     def _costs(
-        self, nodes: np.ndarray, caught: np.ndarray, prey: PreyPaths, reach: float, situation: Situation
-    ) -> np.ndarray:
+        self, paths: CapturePaths, nodes: np.ndarray, caught: np.ndarray, prey: PreyPaths, reach: float,
+        situation: Situation,
+    ) -> np.ndarray:  # fmt: skip
         """Return the cost of sequences that end after their last gait, or at the capture within it, [n]."""
-        paths, tree = self.paths, self.paths.tree
+        tree = paths.tree
         end = tree.steps[nodes] * paths.duration
         within = np.isfinite(caught[nodes])
         onward = paths.times_to_go(nodes, prey, reach, paths.turn_price)[0]
         time = np.where(within, caught[nodes], end + onward)
         # of the last gait, only what is driven before the capture
         share = np.where(within, (caught[nodes] - (end - paths.duration)) / paths.duration, 1.0)
-        last = paths.lengths[tree.gaits[nodes]]
-        distance = self._lengths[nodes] - (1 - share) * last + np.where(within, 0.0, paths.speed * onward)
+        distance = (
+            paths.ways[nodes] - (1 - share) * paths.last_ways(nodes) + np.where(within, 0.0, paths.speed * onward)
+        )
         changes = tree.transitions[nodes] + (0 if situation.previous_gait is None else self._changed(nodes, situation))
-        return np.asarray(self.settings.total(time, distance, changes, 0.0))
+        energy = self._joules(paths, nodes, share, np.where(within, 0.0, onward), situation.previous_gait)
+        return np.asarray(self.settings.total(time, distance, changes, 0.0, energy))
+
+    def _joules(
+        self, paths: CapturePaths, nodes: np.ndarray, share: np.ndarray, onward: np.ndarray, previous: str | None
+    ) -> np.ndarray | float:
+        """Return the energy [J] of sequences [n], of ``share`` of their last gait, and of going on at top speed."""
+        if self._energy is None:
+            return 0.0
+        before = self.gaits.index(previous) if previous in self.gaits else -1
+        spent, parents = self._energy.of(paths.tree, before), paths.tree.parents[nodes]
+        fast = paths.fastest
+        rate = self._energy.steps[fast, fast] / paths.duration
+        return spent[parents] + share * (spent[nodes] - spent[parents]) + rate * onward
 
     def _changed(self, nodes: np.ndarray, situation: Situation) -> np.ndarray:
         """Return 1 where a sequence does not begin with the gait just executed, [n]."""

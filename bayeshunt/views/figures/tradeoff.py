@@ -12,18 +12,22 @@ from matplotlib.figure import Figure
 from bayeshunt.views.figures.style import FAINT, LINE, MARKERS, PLANNERS, shorten, styled
 
 _PANELS = (("mean_transitions", "changes of gait per hunt"), ("mean_distance_m", "way travelled per hunt [m]"))
+_ENERGY = ("mean_energy_j", "energy per hunt [J]")
 
 
 @styled
 def tradeoff_figure(frame: pd.DataFrame) -> Figure:
     """Return mean catch time against changes of gait and against distance, one point per planner and weight.
 
+    Of a body that measures what it spends, against energy and against changes of gait.
+
     frame: as :func:`bayeshunt.experiments.studies.tradeoff.tradeoff` returns it. The points of one varied weight
     are joined; the value stands beside each. Whiskers: 95 % t intervals of the means.
     """
+    panels = (_ENERGY, _PANELS[0]) if _ENERGY[0] in frame else _PANELS
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    for axes, (column, label) in zip((left, right), _PANELS, strict=True):
+    for axes, (column, label) in zip((left, right), panels, strict=True):
         _draw(axes, frame, column)
         axes.set_xlabel(label)
         axes.set_xlim(left=0)

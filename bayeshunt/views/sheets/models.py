@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import ZeroCountError
@@ -38,6 +40,9 @@ def forward_model(model: ForwardModel) -> Sheet:
     note = Note(grounds.SUMMED_OVER) if depends_on_previous(model.structure) else None
     drawn = [Drawn(partial(heat_table, t), title=t.title, opened=i == 0) for i, t in enumerate(tables)]
     parts = [Drawn(lambda: network.network(model.binned)), note, *drawn, Printed(lambda: _gaits(model).lines())]
+    if model.knows_energy:
+        cost = energy(model)
+        parts += [Drawn(cost, title="Energy of each gait"), Printed(lambda: ["", *cost.lines()])]
     return Sheet(title, _origin(model), pairs, parts)
 
 
@@ -82,6 +87,34 @@ def _gaits(model: ForwardModel) -> Table:
     return Table(heads, rows, words=words, most=len(rows))
 
 
+def energy(model: ForwardModel) -> Table:
+    """A row per gait: what it costs, with its interval, and after which gait it costs least and most."""
+    frame, rows = model.energy(), []
+    alone = frame["previous_gait"].isna().any()
+    for name in model.gaits.names:
+        own = frame[frame["gait"] == name]
+        whole = own[own["previous_gait"].isna()] if alone else own
+        pairs = own[own["previous_gait"].notna() & (own["rows"] > 1)] if alone else own.iloc[:0]
+        least, most = (pairs["mean_j"].idxmin(), pairs["mean_j"].idxmax()) if len(pairs) else (None, None)
+        rows.append([name, *_cost(whole), *(_after(pairs, at) for at in (least, most))])
+    heads = ["gait", "rows", "mean J", "95 %", "least after", "most after"]
+    return Table(heads, rows, words=frozenset({0, 3, 4, 5}), most=len(rows))
+
+
+def _cost(cell: pd.DataFrame) -> list[object]:
+    if not len(cell) or not cell["rows"].iloc[0]:
+        return [0, "never babbled", ""]
+    row = cell.iloc[0]
+    return [int(row["rows"]), f"{row['mean_j']:.3g}", f"{row['low_j']:.3g} to {row['high_j']:.3g}"]
+
+
+def _after(pairs: pd.DataFrame, at: Any) -> str:
+    if at is None:
+        return ""
+    row: Any = pairs.loc[at]
+    return f"{row['previous_gait']}: {row['mean_j']:.3g} ({row['rows']} rows)"
+
+
 def _outcome(model: ForwardModel, index: int) -> str:
     try:
         pose = model.predict(model.gaits.names[index])
@@ -122,6 +155,7 @@ def posterior(answer: Posterior) -> Sheet:
         ("support", grounds.support(answer)),
     ]
     found = grounds.interval(answer)
+    pairs += [("energy", grounds.energy(answer))] if answer.model.knows_energy else []
     pairs += [("how sure", grounds.how_sure(answer, found))] if found is not None else []
     shares = dict(zip(answer.source.gaits, answer.values.tolist(), strict=True))
     parts = [

@@ -181,7 +181,8 @@ def sweep_table(frame: Any) -> None:
 def tradeoff_table(frame: Any) -> None:
     """Print a trade-off: one row per planner and weight."""
     table = TextTable(
-        folding("planner", 10), folding("varied", 11), "caught", "95 %", "s", "m", "changes", "ms", "cost",
+        folding("planner", 10), folding("varied", 11), "caught", "95 %", "s", "m", "changes", "ms",
+        *(["J"] if "mean_energy_j" in frame else []), "cost",
         title="{experiment} in {arena}, seed {seed}".format(**frame.attrs),
     )  # fmt: skip
     for row in frame.to_dict("records"):
@@ -191,13 +192,15 @@ def tradeoff_table(frame: Any) -> None:
         table.row(
             row["planner"], varied, caught, interval, mean,
             f"{row['mean_distance_m']:.2f}", f"{row['mean_transitions']:.2f}",
-            f"{row['planning_ms']:.2f}", f"{row['cost']:.1f}",
+            f"{row['planning_ms']:.2f}", *([f"{row['mean_energy_j']:.1f}"] if "mean_energy_j" in row else []),
+            f"{row['cost']:.1f}",
         )  # fmt: skip
     table.print(out)
     weights = ", ".join(f"{name} {value:g}" for name, value in frame.attrs["weights"].items())
     out.print(f"Cost under the weights of the settings: {weights}.", style="dim")
     out.print("95 %: Wilson interval of the success in per cent. s, m, changes: mean time, distance and changes "
-              "of gait of a hunt. ms: median time of one decision.", style="dim")  # fmt: skip
+              "of gait of a hunt. ms: median time of one decision."
+              + (" J: mean energy of a hunt." if "mean_energy_j" in frame else ""), style="dim")  # fmt: skip
     if frame.attrs["note"]:
         out.print(Text(frame.attrs["note"], style="italic"))
 
@@ -238,6 +241,8 @@ def posterior_bars(answer: Any) -> None:
         out.print(f"                     ({grounds.snapped(answer)})")
     out.print(f"P(evidence)          {answer.evidence_probability:.6g}")
     out.print(f"support              {grounds.support(answer)}")
+    if answer.model.knows_energy:
+        out.print(f"energy               {grounds.energy(answer)}")
     if found is not None:
         said = f"how sure             {grounds.how_sure(answer, found)}"
         out.print("\n".join(textwrap.wrap(said, out.width, subsequent_indent=" " * 21, break_long_words=False)))
