@@ -1,4 +1,4 @@
-"""assess: is the model any good, and what does the paper's assumption cost?"""
+"""assess, score: is the model any good, what does the paper's assumption cost, and what does it foresee?"""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Annotated, Any
 
 import typer
 
+from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed
-from bayeshunt.cli.outputs import out_figure
+from bayeshunt.cli.outputs import out_figure, out_file, out_folder
 from bayeshunt.core.errors import InputError
 
 _BINS = "(default: the model's, or {})"
@@ -30,40 +31,56 @@ def assess(
     distance_bin: Annotated[float | None, typer.Option(help="Distance bin [body lengths] " + _BINS.format(0.1))] = None,
     angle_bins: Annotated[int | None, typer.Option(help="Angle bins " + _BINS.format(36))] = None,
     heading_bins: Annotated[int | None, typer.Option(help="Heading bins " + _BINS.format(36))] = None,
+    auto_bins: Annotated[
+        bool, typer.Option("--auto-bins", help="Bins of the highest held-out density, chosen by these rows.")
+    ] = False,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
+    time_step: ingest.TimeStep = None,
+    gaits: ingest.Gaits = "25",
+    pose: ingest.Pose = None,
+    command: ingest.Command = None,
+    time: ingest.Time = None,
+    time_unit: ingest.TimeUnit = None,
+    unit: ingest.Unit = None,
+    angle: ingest.Angle = None,
+    body_length: ingest.BodyLength = None,
+    csv: Annotated[Path | None, out_folder("Write every table as CSV into this folder.")] = None,
     out: Annotated[Path | None, out_figure("Write the reliability diagram: a .png or .svg file.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Score held-out predictions, test the naive Bayes assumption, and compare other structures.
 
-    Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png
+    Warns where the tables foresee worse than ignoring the gait does, and where other bins would do much better.
+
+    Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png;
+    bayeshunt assess log.csv --time-step 1 --gaits 9 --auto-bins
     """
     from bayeshunt.config.loading import load_robot, recorded_gaits
-    from bayeshunt.data import babbling_table
-    from bayeshunt.data.ingesting import LogOptions, babbling_from, needs_ingesting
     from bayeshunt.models.assessment.assess import assess as run
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 
-    frame = (
-        babbling_from([data], LogOptions()) if data.exists() and needs_ingesting(data) else babbling_table.load(data)
-    )
+    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
+    frame, notes = ingest.babbled(data, asked)
+    for note in () if as_json else notes:
+        terminal.say(note)
     forward = None if model is None else open_model(model)
-    gaits = None if robot is None else load_robot(robot).gaits
-    if gaits is None and forward is None:
-        gaits = recorded_gaits(frame)
-    widths = (distance_bin, angle_bins, heading_bins)
-    axes = _axes(frame, gaits, forward, widths)
+    known = None if robot is None else load_robot(robot).gaits
+    if known is None and forward is None:
+        known = recorded_gaits(frame)
+    axes = _axes(frame, known, forward, (distance_bin, angle_bins, heading_bins), auto_bins)
     with terminal.progress_bar("assessing", None, quiet=quiet or as_json):
         result = run(
-            frame, gaits, model=forward, folds=folds, seed=seed, prior=prior, axes=axes,
+            frame, known, model=forward, folds=folds, seed=seed, prior=prior, axes=axes,
             structures=structure or None, permutations=permutations,
         )  # fmt: skip
     if out is not None:
         from bayeshunt.views.figures.assessment import write
 
         write(result, out)
+    if csv is not None:
+        _write_tables(result, csv)
     if as_json:
         typer.echo(json.dumps({**result.to_dict(), "out": None if out is None else str(out)}))
         return
@@ -72,18 +89,89 @@ def assess(
     assessment_tables(result)
 
 
-def _axes(frame: Any, gaits: Any, model: Any, widths: tuple[float | None, int | None, int | None]) -> Any:
+def _write_tables(result: Any, folder: Path) -> None:
+    from bayeshunt.files.atomic import write_text
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("variables", "structures", "confusion", "independence", "reliability"):
+        table = getattr(result, name)
+        write_text(folder / f"{name}.csv", table.to_csv(index=table.index.name is not None))
+
+
+def _axes(frame: Any, gaits: Any, model: Any, widths: tuple[float | None, int | None, int | None], auto: bool) -> Any:
     """Axes of the bins asked for, or None if none was."""
     from bayeshunt.config.loading import recorded_gaits
     from bayeshunt.core.bins import EffectAxes
 
-    if all(width is None for width in widths):
+    if all(width is None for width in widths) and not auto:
         return None
     if model is not None:
-        raise InputError("--model brings its own bins: leave out --distance-bin, --angle-bins and --heading-bins")
+        raise InputError("--model brings its own bins: leave out --distance-bin, --angle-bins, --heading-bins, "
+                         "--auto-bins")  # fmt: skip
+    if auto:
+        return "auto"
     body_length = (gaits if gaits is not None else recorded_gaits(frame)).body_length
     names = ("distance_bin", "angle_bins", "heading_bins")
     given: dict[str, Any] = {name: width for name, width in zip(names, widths, strict=True) if width is not None}
     if not all(width > 0 for width in given.values()):
         raise InputError("bins: expected a width or numbers above 0")
     return EffectAxes.standard(body_length, **given)
+
+
+@app.command(short_help="Score the pose after a gait, beside simple kinematics.")
+def score(
+    data: Annotated[Path, typer.Argument(help="Babbling table, or a log, of one robot.", show_default=False)],
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help="stays, unicycle, table, previous_gait or residual; may be repeated. Default: all."),
+    ] = None,
+    folds: Annotated[int, typer.Option(help="Folds of the cross-validation.")] = 5,
+    folds_by: Annotated[
+        str | None, typer.Option(help="Column whose values stay together, such as the number of a held command.")
+    ] = None,
+    seed: Seed = 0,
+    gaits: Annotated[
+        str, typer.Option(help="Number of clusters of the command, found in each fold; or held, or a column.")
+    ] = "25",
+    time_step: ingest.TimeStep = None,
+    pose: ingest.Pose = None,
+    command: ingest.Command = None,
+    time: ingest.Time = None,
+    time_unit: ingest.TimeUnit = None,
+    unit: ingest.Unit = None,
+    angle: ingest.Angle = None,
+    body_length: ingest.BodyLength = None,
+    out: Annotated[Path | None, out_file("Write the table as CSV.", "tables of scores", ".csv")] = None,
+    figure: Annotated[Path | None, out_figure("Draw it: a .png or .svg file.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Score the pose after a gait as models foresee it that have not counted it.
+
+    Example:  bayeshunt score log.csv --time-step 1 --gaits 25 --folds-by run --figure scores.png
+    """
+    from bayeshunt.data.logs import command_columns
+    from bayeshunt.files.atomic import write_text
+    from bayeshunt.models.assessment.forward_scores import MODELS, score_forward
+    from bayeshunt.views.terminal import terminal
+    from bayeshunt.views.terminal.scores import forward_table
+
+    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
+    frame, notes = ingest.babbled(data, asked)
+    for note in () if as_json else notes:
+        terminal.say(note)
+    commands = command_columns(frame.columns)
+    chosen = model or [name for name in MODELS if commands or name not in ("unicycle", "residual")]
+    number: Any = asked.gaits if isinstance(asked.gaits, int) and commands else None
+    with terminal.progress_bar("scoring", None, quiet=quiet or as_json):
+        table = score_forward(frame, number, chosen, folds_by, folds, seed)
+    if out is not None:
+        write_text(out, table.to_csv(index=False))
+    if figure is not None:
+        from bayeshunt.views.figures import scores
+
+        scores.write(scores.forward_scores(table), figure)
+    if as_json:
+        typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
+        return
+    forward_table(table, folds_by)

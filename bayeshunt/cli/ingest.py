@@ -44,6 +44,17 @@ def _names(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
 
 
+def babbled(data: Path, asked: Any) -> tuple[Any, list[str]]:
+    """Return the babbling table of a file, a log made into one, and what there is to say of that."""
+    from bayeshunt.data import babbling_table
+    from bayeshunt.data.ingesting import babbling_from, needs_ingesting
+
+    if not (data.exists() and needs_ingesting(data)):
+        return babbling_table.load(data), []
+    frame = babbling_from([data], asked)
+    return frame, recorded_notes(frame.attrs["bayeshunt"], data)
+
+
 def recorded_notes(record: dict[str, Any], path: Path) -> list[str]:
     """Return what was read, guessed and left out, a line each, from the record of a babbling table."""
     lines = [f"{shlex.quote(str(path))}: {note}" for note in record.get("notes", [])]

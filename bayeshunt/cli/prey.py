@@ -12,7 +12,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Seed, tell
-from bayeshunt.cli.outputs import out_file
+from bayeshunt.cli.outputs import out_figure, out_file
 from bayeshunt.core.errors import InputError
 
 prey = typer.Typer(rich_markup_mode=None, context_settings={"help_option_names": ["-h", "--help"]})
@@ -88,6 +88,7 @@ def score(
     split: Annotated[str, typer.Option(help="What is held out: individual, scene or time.")] = "individual",
     seed: Seed = 0,
     out: Annotated[Path | None, out_file("Write the table as CSV.", "tables of scores", ".csv")] = None,
+    figure: Annotated[Path | None, out_figure("Draw it: a .png or .svg file.")] = None,
     as_json: Json = False,
 ) -> None:
     """Score forecasts: error, best of 20, energy, density and coverage, beside standing still and constant velocity.
@@ -97,7 +98,7 @@ def score(
     from bayeshunt.files.atomic import write_text
     from bayeshunt.models.assessment.prey_scores import score_prey
     from bayeshunt.models.target.prey import PreyModel
-    from bayeshunt.views.terminal.prey_scores import scores_table
+    from bayeshunt.views.terminal.scores import scores_table
 
     if not on:
         raise InputError("prey score: nothing to score on; give tracks with --on")
@@ -111,10 +112,15 @@ def score(
     table = score_prey(frame, models, seen, steps, time_step, split, seed)
     if out is not None:
         write_text(out, table.to_csv(index=False))
+    unit = "m" if "unit" not in frame or frame["unit"].isna().all() else str(frame["unit"].dropna().iloc[0])
+    if figure is not None:
+        from bayeshunt.views.figures import scores
+
+        scores.write(scores.prey_scores(table, unit), figure)
     if as_json:
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
-    scores_table(table, "m" if "unit" not in frame else str(frame["unit"].dropna().iloc[0]))
+    scores_table(table, unit)
 
 
 def _tracks(files: list[Path]) -> Any:

@@ -27,7 +27,9 @@ from bayeshunt.models.assessment import scores
 from bayeshunt.models.assessment.independence import independence
 from bayeshunt.models.assessment.rows import CodedRows, set_aside
 from bayeshunt.models.assessment.structures import compare
+from bayeshunt.models.assessment.warnings import warnings
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.counting.auto_axes import chosen_axes
 from bayeshunt.models.tables.effects import check_size
 from bayeshunt.models.tables.structures import (
     NAIVE,
@@ -47,7 +49,8 @@ class Assessment:
     """How good a forward model is on a babbling table. Log-losses are natural, in nats per row.
 
     settings: rows scored, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
-    variables: per effect, held-out log_loss and brier, both also for a forecast that ignores the gait.
+    variables: per effect, held-out log_loss and brier, both also for a forecast that ignores the gait; density, the
+        log-loss per metre or radian: that of all three together, in nats per m rad2, is in ``structures``.
     reliability: per variable and bin of the forecast: count, mean forecast, share observed.
     gaits: held-out accuracy, log_loss and brier of P(Gait | Distance, Angle), the inverse model, and
         accuracy_with_heading.
@@ -102,7 +105,7 @@ def assess(
     folds: int = 5,
     seed: int = 0,
     prior: float = PRIOR,
-    axes: EffectAxes | None = None,
+    axes: EffectAxes | str | None = None,
     structures: Sequence[str] | None = None,
     permutations: int = 999,
 ) -> Assessment:
@@ -112,18 +115,21 @@ def assess(
     model: its gaits, bins and structure are assessed, and its own tables are scored on ``frame`` too.
     folds: 2 to the number of rows. seed: of the folds and the shuffles; same seed, same numbers.
     prior: Dirichlet pseudo-count per cell of every table that is fitted here, >= 0.
-    axes: bins; by default the model's or ``EffectAxes.standard``. Coarser bins make sparse structures
-        comparable; log-losses of different bins are not.
+    axes: bins; by default the model's or ``EffectAxes.standard``; "auto": those of the highest held-out density.
+        Coarser bins make sparse structures comparable; log-losses of different bins are not, densities are.
     structures: names, compared with "naive"; by default all that the table allows.
     permutations: shuffles of each independence test, >= 1.
 
-    A single row absurdly far out is left out and named in ``notes``, as is a structure whose tables would be too
-    large. Raises DataError for a table that is not one, InputError for settings out of range.
+    ``notes`` begin with a warning where the tables foresee rows worse than ignoring the gait does, and where other bins
+    would foresee them much better. A single row absurdly far out is left out and named in ``notes``, as is a structure
+    whose tables would be too large. Raises DataError for a table that is not one, InputError for settings out of range.
     """
     _check(model, axes, seed, prior, permutations, structures)
     babbling_table.validate(frame)
     repertoire = _repertoire(frame, gaits, model)
-    grid = axes or (model.axes if model is not None else EffectAxes.standard(repertoire.body_length))
+    frame, of_residuals = _as_counted(frame, model)
+    grid = chosen_axes(axes, frame, repertoire)
+    grid = grid or (model.axes if model is not None else EffectAxes.standard(repertoire.body_length))
     scored, aside = set_aside(frame, grid)
     rows = CodedRows.of(scored, repertoire, grid)
     if model is not None and depends_on_previous(model.structure) and not rows.has_previous:
@@ -135,13 +141,15 @@ def assess(
     comparison, found = compare(rows, others, fold, prior, naive)
     structure = NAIVE if model is None else model.structure
     predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
+    variables = scores.variable_scores(rows, predicted, fold, prior)
+    gains = scores.gains_of_gait(rows, predicted, fold, prior)
     return Assessment(
         settings={
             "rows": len(scored), "folds": int(folds), "seed": int(seed), "prior": float(prior),
             "permutations": int(permutations), "bins": {axis.name: axis.bins for axis in rows.axes},
             "structure": structure.name,
         },
-        variables=scores.variable_scores(rows, predicted, fold, prior),
+        variables=variables,
         reliability=scores.reliability(rows, predicted),
         gaits=_gait_scores(rows, predicted),
         confusion=scores.confusion(rows, predicted.gaits),
@@ -149,8 +157,18 @@ def assess(
         structures=comparison,
         found=found,
         given=None if model is None else _given(model, frame, rows),
-        notes=(*aside, *notes),
+        notes=(*aside, *warnings(scored, rows, variables, gains), *of_residuals, *notes),
     )  # fmt: skip
+
+
+def _as_counted(frame: pd.DataFrame, model: ForwardModel | None) -> tuple[pd.DataFrame, list[str]]:
+    """The rows as the model counts them, and what to say of that."""
+    motion = None if model is None else model.source.residual_of
+    if model is None or motion is None:
+        return frame, []
+    return model.source.recast(frame), [
+        f"Scored is what the fitted {motion} misses: the losses do not compare with those of poses (see score)."
+    ]
 
 
 def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]:
@@ -167,6 +185,7 @@ def _gait_scores(rows: CodedRows, predicted: scores.HeldOut) -> dict[str, float]
 
 def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[str, Any]:
     """Scores of a model's own tables: held out only if it has not counted these rows; None where nobody knows."""
+    counted = type(model.source.counted).of(frame, model.gaits, model.axes) if model.has_counts else None
     probability = _own_probability(model, rows)
     possible = probability > 0
     with np.errstate(divide="ignore"):
@@ -177,7 +196,7 @@ def _given(model: ForwardModel, frame: pd.DataFrame, rows: CodedRows) -> dict[st
         "log_loss": log_loss,
         "impossible": int((~possible).sum()),
         "log_loss_of_possible": float(-np.log(probability[possible]).mean()) if possible.any() else math.nan,
-        "same_rows": model.source.counted == model.source.count(frame) if model.has_counts else None,
+        "same_rows": model.source.counted == counted if model.has_counts else None,
     }
 
 
@@ -232,11 +251,11 @@ def _others(rows: CodedRows, structures: Sequence[str] | None) -> tuple[list[str
 
 
 def _check(
-    model: ForwardModel | None, axes: EffectAxes | None, seed: Any, prior: Any, permutations: Any, structures: Any
+    model: ForwardModel | None, axes: EffectAxes | str | None, seed: Any, prior: Any, permutations: Any, structures: Any
 ) -> None:
     if model is not None:
         check_kind(model, "model", ForwardModel, "a ForwardModel")
-    if axes is not None:
+    if axes is not None and axes != "auto":
         check_kind(axes, "axes", EffectAxes, "an EffectAxes, such as EffectAxes.standard(0.057)")
     if structures is not None and (isinstance(structures, str) or not isinstance(structures, Sequence)):
         raise InputError(f"structures: expected a list of names, such as ['tan'], got {shown(structures)}")

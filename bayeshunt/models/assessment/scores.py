@@ -6,6 +6,7 @@ fitted without the fold that the row is in. Logarithms are natural: log-losses a
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,22 +129,37 @@ def brier(forecast: np.ndarray, happened: np.ndarray) -> float:
 def variable_scores(rows: CodedRows, predicted: HeldOut, fold: np.ndarray, prior: float) -> pd.DataFrame:
     """Return one row per effect: log_loss, brier, and both for a forecast that ignores the gait.
 
-    impossible: rows whose outcome had probability 0.
+    density, density_without_gait: the log-losses per metre or radian, log_loss + log(width of a bin): they compare
+    over bins, as log-losses do not. impossible: rows whose outcome had probability 0.
     """
     records = []
     for effect in EFFECTS:
         forecast, happened = predicted.forecasts[effect], rows.column(effect)
         blind = _gait_blind(rows, effect, fold, prior)
+        loss, without, width = log_loss(forecast, happened), log_loss(blind, happened), rows.axes[effect].width
         records.append(
             {
-                "log_loss": log_loss(forecast, happened),
+                "log_loss": loss,
                 "brier": brier(forecast, happened),
-                "log_loss_without_gait": log_loss(blind, happened),
+                "density": loss + math.log(width),
+                "density_without_gait": without + math.log(width),
+                "log_loss_without_gait": without,
                 "brier_without_gait": brier(blind, happened),
                 "impossible": int((forecast[np.arange(len(happened)), happened] == 0).sum()),
             }
         )
     return pd.DataFrame(records, index=pd.Index(EFFECTS, name="variable"))
+
+
+def gains_of_gait(rows: CodedRows, predicted: HeldOut, fold: np.ndarray, prior: float) -> np.ndarray:
+    """Return the nats [N, 3] that knowing the gait gained in each row and effect, below 0 where it cost."""
+    gains, each = [], np.arange(len(rows.codes))
+    for effect in EFFECTS:
+        happened = rows.column(effect)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            own = np.log(predicted.forecasts[effect][each, happened])
+            gains.append(own - np.log(_gait_blind(rows, effect, fold, prior)[each, happened]))
+    return np.column_stack(gains)
 
 
 def _gait_blind(rows: CodedRows, effect: str, fold: np.ndarray, prior: float) -> np.ndarray:

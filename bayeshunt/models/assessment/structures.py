@@ -30,9 +30,10 @@ def compare(
 
     Columns: factors; parameters (free probabilities of the effects' tables); log_likelihood and bic
     (maximum likelihood on all rows, nat; more is better); log_loss (held out, nat per row; less is
-    better); gain, its mean difference to the paper's structure, with a 95 % interval from the
-    pairs of rows, gain_low to gain_high; impossible, rows of probability 0; gait_accuracy, held out,
-    from Distance and Angle; agreement, folds that found the same edges.
+    better); density, the same per m rad2, which compares over bins; gain, its mean difference to the
+    paper's structure, with a 95 % interval from the pairs of rows, gain_low to gain_high; impossible,
+    rows of probability 0; gait_accuracy, held out, from Distance and Angle; agreement, folds that found
+    the same edges.
     """
     records, found = {}, {}
     for name in ("naive", *names):
@@ -65,6 +66,7 @@ def _scores(rows: CodedRows, structure: Structure, predicted: HeldOut, naive: He
     edges = Counter(found.edges for found in predicted.structures)
     return {
         "log_loss": float(-predicted.log_probability.mean()),
+        "density": float(-predicted.log_probability.mean()) + sum(math.log(axis.width) for axis in rows.axes),
         "gain": gain,
         "gain_low": low,
         "gain_high": high,

@@ -19,16 +19,17 @@ def assessment(shown: Assessment) -> Sheet:
         known.append(("the model's own log-loss", number(shown.given["log_loss"], 4)))
     measure = (
         "Held-out log-loss of Distance, Angle and Heading [nat per row]; gain over naive, 95 % interval; "
-        "BIC: more is better."
+        "BIC: more is better. Density: the log-loss per m or rad, which compares over bins."
     )
     predictions = f"Predictions of each variable, structure {settings['structure']}"
     drawn = [
+        *(Drawn(Note(note)) for note in shown.notes if "WORSE" in note),
         Drawn(_structures(shown), Note(measure)),
         Drawn(_factors(shown), title="What each structure assumes"),
         Drawn(_variables(shown), title=predictions),
         Drawn(_independence(shown), title="Independent given the gait?"),
         Drawn(_confusion(shown), title="Gaits taken for others"),
-        *(Drawn(Note(note)) for note in shown.notes),
+        *(Drawn(Note(note)) for note in shown.notes if "WORSE" not in note),
     ]
     return Sheet("Assessment", subtitle, known, [Printed(lambda: assessment_text(shown).splitlines()), *drawn])
 
@@ -50,9 +51,9 @@ def _factors(shown: Assessment) -> Html:
 
 
 def _variables(shown: Assessment) -> Html:
-    columns = ("log_loss", "log_loss_without_gait", "brier", "brier_without_gait")
+    columns = ("log_loss", "log_loss_without_gait", "density", "density_without_gait", "brier", "brier_without_gait")
     rows = [row(name, [number(found[c], 4) for c in columns]) for name, found in shown.variables.iterrows()]
-    return table(["variable", "log-loss", "without gait", "Brier", "without gait"], rows)
+    return table(["variable", "log-loss", "without gait", "density", "without gait", "Brier", "without gait"], rows)
 
 
 def _independence(shown: Assessment) -> Html:

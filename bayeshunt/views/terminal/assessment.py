@@ -36,17 +36,23 @@ def assessment_tables(assessment: Assessment, out: Console = terminal.out) -> No
     if assessment.given is not None:
         _given(assessment.given, out)
     for note in assessment.notes:
-        out.print(Text(note, style="italic"))
+        out.print(Text(note, style="bold red" if "WORSE" in note else "italic"))
 
 
 def _variables(assessment: Assessment, out: Console) -> None:
     name = assessment.settings["structure"]
-    table = _table(f"Held-out predictions, structure {name}", "variable", "log-loss", "no gait", "Brier", "no gait")
+    heads = ("variable", "log-loss", "no gait", "density", "Brier", "no gait")
+    table = _table(f"Held-out predictions, structure {name}", *heads)
     for variable, row in assessment.variables.iterrows():
-        columns = ("log_loss", "log_loss_without_gait", "brier", "brier_without_gait")
+        columns = ("log_loss", "log_loss_without_gait", "density", "brier", "brier_without_gait")
         table.row(str(variable), *(_number(row[column]) for column in columns))
     table.print(out)
-    out.print("Nat per row, less is better; 'no gait': one forecast for every gait.", style="dim")
+    total, blind = (float(assessment.variables[c].sum()) for c in ("density", "density_without_gait"))
+    out.print(
+        "Nat per row, less is better; 'no gait': one forecast for every gait.\n"
+        f"Density, per m or rad, compares over bins: {total:.2f} nats per m rad² in all, without the gait {blind:.2f}.",
+        style="dim",
+    )  # fmt: skip
 
 
 def _gaits(assessment: Assessment, out: Console) -> None:

@@ -1,4 +1,4 @@
-"""Scores of prey models in a terminal."""
+"""Scores on recordings in a terminal: of prey models, and of one's own motion."""
 
 from __future__ import annotations
 
@@ -7,7 +7,28 @@ import pandas as pd
 from bayeshunt.views.terminal.terminal import out
 from bayeshunt.views.terminal.text_tables import TextTable, folding
 
-__all__ = ["scores_table"]
+__all__ = ["forward_table", "scores_table"]
+
+
+def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
+    """Print the table of ``score_forward``, a row a model."""
+    table = TextTable(
+        folding("model", 20), "position m", "95 % interval", "heading °", "95 % interval",
+        title=f"{int(scores['n'].max())} windows, held out",
+    )  # fmt: skip
+    for row in scores.to_dict("records"):
+        if not row["n"]:
+            table.row(str(row["model"]), "not known", "", "", "")
+            continue
+        table.row(
+            str(row["model"]), f"{row['position_m']:.3f}", f"{row['position_low']:.3f} to {row['position_high']:.3f}",
+            f"{row['heading_deg']:.1f}", f"{row['heading_low']:.1f} to {row['heading_high']:.1f}",
+        )  # fmt: skip
+    table.print(out)
+    kept = f"whole values of {folds_by!r} are held out and resampled" if folds_by else (
+        "rows that follow each other are alike: hold out whole runs with --folds-by, else these are too narrow"
+    )  # fmt: skip
+    out.print(f"Intervals: {kept}.", style="dim", markup=False)
 
 
 def scores_table(scores: pd.DataFrame, unit: str) -> None:

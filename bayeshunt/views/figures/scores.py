@@ -1,0 +1,80 @@
+"""Figures of scores on recordings: how far models foresee places, with intervals, the baselines set apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bayeshunt.files.atomic import replace_atomically
+from bayeshunt.views.figures.style import CHOSEN, FAINT, LINE, shorten, styled
+
+__all__ = ["forward_scores", "prey_scores", "write"]
+
+#: Models that learn no table.
+_BASELINES = ("stays", "unicycle", "stands", "constant_velocity", "constant_velocity_noise", "autoregression")
+
+
+@styled
+def forward_scores(table: pd.DataFrame) -> Figure:
+    """Return mean errors of position [m] and heading [°] with 95 % intervals, a row a model.
+
+    table: as ``score_forward`` returns it; models that could not be scored are left out.
+    """
+    known = table[table["n"] > 0].reset_index(drop=True)
+    figure = Figure(figsize=(7.4, 0.9 + 0.34 * len(known)), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    _dots(left, known, "position_m", "position_low", "position_high")
+    _dots(right, known, "heading_deg", "heading_low", "heading_high")
+    left.set_xlabel("mean error of the position [m]")
+    right.set_xlabel("mean error of the heading [°]")
+    left.set_title(f"{int(known['n'].max())} windows, held out; bars: 95 %")
+    return figure
+
+
+@styled
+def prey_scores(table: pd.DataFrame, unit: str) -> Figure:
+    """Return mean and final errors of forecasts with 95 % intervals over individuals, a row a model.
+
+    table: as ``score_prey`` returns it. unit: of its lengths.
+    """
+    figure = Figure(figsize=(7.4, 0.9 + 0.34 * len(table)), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    _dots(left, table, "ade", "ade_low", "ade_high")
+    _dots(right, table, "fde", "fde_low", "fde_high")
+    left.set_xlabel(f"mean error over the steps, ADE [{unit}]")
+    right.set_xlabel(f"error of the last step, FDE [{unit}]")
+    left.set_title(f"{int(table['n'].max())} windows of {int(table['individuals'].max())} individuals; bars: 95 %")
+    return figure
+
+
+def write(figure: Figure, path: Path) -> None:
+    """Write a figure as a .png (200 dots per inch) or .svg file, replaced atomically."""
+    kind = path.suffix[1:].lower()
+    with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "bayeshunt"}), replace_atomically(path) as temporary:
+        figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
+
+
+def _dots(axes: Axes, table: pd.DataFrame, mean: str, low: str, high: str) -> None:
+    places = np.arange(len(table))[::-1]
+    values = table[mean].to_numpy(dtype=float)
+    bars = np.clip(np.array([values - table[low], table[high] - values]), 0.0, None)
+    colours = [FAINT if name in _BASELINES else CHOSEN for name in table["model"]]
+    axes.hlines(places, 0, values, color=LINE, linewidth=1, zorder=1)
+    for colour in (FAINT, CHOSEN):
+        mine = np.array([c == colour for c in colours])
+        look: dict[str, Any] = {"fmt": "none", "ecolor": colour, "elinewidth": 1.4, "capsize": 3, "zorder": 2}
+        axes.errorbar(values[mine], places[mine], xerr=bars[:, mine], **look)
+    axes.scatter(values, places, color=colours, s=22, zorder=3)
+    for value, end, y in zip(values, np.asarray(table[high], dtype=float), places, strict=True):
+        axes.annotate(f"{value:.3g}", (end, y), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7.5)
+    axes.set_yticks(places, [shorten(str(name), 26).replace("_", " ") for name in table["model"]])
+    axes.set_xlim(0, float(np.nanmax(table[high])) * 1.16)
+    axes.set_ylim(-0.6, len(table) - 0.4)
+    axes.spines["left"].set_visible(False)
+    axes.tick_params(axis="y", length=0)
