@@ -2,11 +2,12 @@
 
 :func:`checked` wraps a function, :func:`check_fields` serves a dataclass from its ``__post_init__``. Both say in
 one line which argument is wrong, before any work. Ranges are the function's own business; what a hint cannot
-say in words (arrays, protocols, Any) passes.
+say in words (protocols, Any) passes.
 """
 
 from __future__ import annotations
 
+import builtins
 import collections.abc as abc
 import functools
 import inspect
@@ -30,10 +31,11 @@ R = TypeVar("R")
 
 
 class _Rule(typing.NamedTuple):
-    """What a hint takes, and in words what that is."""
+    """What a hint takes, in words what that is, and types that are taken without another look."""
 
     accepts: Callable[[Any], bool]
     words: str
+    kinds: frozenset[type] = frozenset()
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
@@ -47,7 +49,9 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         rules = _rules(function)
         for name, value in (*zip(names, args, strict=False), *kwargs.items()):
             rule = rules.get(name)
-            if rule is not None and rule.words not in numbers and not rule.accepts(value):
+            if rule is None or type(value) in rule.kinds or rule.words in numbers:
+                continue
+            if not rule.accepts(value):
                 raise InputError(f"{name}: expected {rule.words}, got {shown(value)}")
         return function(*args, **kwargs)
 
@@ -56,15 +60,34 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 def check_fields(value: Any) -> None:
     """Raise InputError that names the first field of a dataclass whose value is not of the kind that its hint says."""
-    rules = _rules(type(value))
-    for field in fields(value):
-        rule = rules.get(field.name)
-        if field.init and rule is not None and not rule.accepts(given := getattr(value, field.name)):
-            raise InputError(f"{type(value).__name__}: {field.name}: expected {rule.words}, got {shown(given)}")
+    kind = type(value)
+    if kind not in _fields:
+        rules, given = _rules(kind), [field.name for field in fields(value) if field.init]
+        _fields[kind] = [(name, rules[name]) for name in given if name in rules]
+    for name, rule in _fields[kind]:
+        part = getattr(value, name)
+        if type(part) not in rule.kinds and not rule.accepts(part):
+            raise InputError(f"{kind.__name__}: {name}: expected {rule.words}, got {shown(part)}")
+
+
+class _Names(dict[str, Any]):
+    """The names of a module; one that it imports for type checkers only means anything."""
+
+    def __missing__(self, name: str) -> Any:
+        return sys.modules.get("pandas", _Anything()) if name == "pd" else getattr(builtins, name, Any)
+
+
+class _Anything:
+    """A module that nobody has imported: nothing of it can be given, so whatever is given is not looked at."""
+
+    def __getattr__(self, name: str) -> Any:
+        return Any
 
 
 #: Rules that were made, by function or class.
 _known: dict[Any, dict[str, _Rule]] = {}
+#: The fields of a class that have a rule, in their order.
+_fields: dict[type, list[tuple[str, _Rule]]] = {}
 
 
 def _rules(owner: Any) -> dict[str, _Rule]:
@@ -73,27 +96,31 @@ def _rules(owner: Any) -> dict[str, _Rule]:
         return _known[owner]
     hints: dict[str, Any] = {}
     for base in reversed(getattr(owner, "__mro__", (owner,))):
-        space = vars(sys.modules[base.__module__])
+        space = _Names(vars(sys.modules[base.__module__]))
         for name, hint in getattr(base, "__annotations__", {}).items():
-            try:
-                hints[name] = eval(hint, dict(space)) if isinstance(hint, str) else hint
-            except NameError:  # imported for type checkers only
-                hints[name] = Any
+            hints[name] = eval(hint, {}, space) if isinstance(hint, str) else hint
     found = {name: _rule(hint) for name, hint in hints.items() if name != "return"}
     return _known.setdefault(owner, {name: rule for name, rule in found.items() if rule is not None})
 
 
+def _plain(words: str, accepts: Callable[[Any], bool], *kinds: type) -> _Rule:
+    return _Rule(accepts, words, frozenset(kinds))
+
+
 #: Kinds of one value: what is taken for the hint, and its words. NumPy's numbers count as Python's.
 _PLAIN: dict[Any, _Rule] = {
-    float: _Rule(lambda v: isinstance(v, Real) and not isinstance(v, (bool, np.bool_)), "a number"),
-    int: _Rule(lambda v: isinstance(v, Integral) and not isinstance(v, (bool, np.bool_)), "a whole number"),
-    bool: _Rule(lambda v: isinstance(v, (bool, np.bool_)), "True or False"),
-    str: _Rule(lambda v: isinstance(v, str), "text"),
-    type(None): _Rule(lambda v: v is None, "None"),
-    os.PathLike: _Rule(lambda v: isinstance(v, os.PathLike), "a path"),
-    abc.Callable: _Rule(callable, "a function"),
-    abc.Mapping: _Rule(lambda v: isinstance(v, Mapping), "a dict"),
-    dict: _Rule(lambda v: isinstance(v, Mapping), "a dict"),
+    float: _plain("a number", lambda v: isinstance(v, Real) and not isinstance(v, (bool, np.bool_)), float, int),
+    int: _plain("a whole number", lambda v: isinstance(v, Integral) and not isinstance(v, (bool, np.bool_)), int),
+    bool: _plain("True or False", lambda v: isinstance(v, (bool, np.bool_)), bool),
+    str: _plain("text", lambda v: isinstance(v, str), str),
+    type(None): _plain("None", lambda v: v is None, type(None)),
+    np.ndarray: _plain(
+        "an array of numbers", lambda v: isinstance(v, (list, tuple)) or hasattr(v, "__array__"), np.ndarray
+    ),
+    os.PathLike: _plain("a path", lambda v: isinstance(v, os.PathLike)),
+    abc.Callable: _plain("a function", callable),
+    abc.Mapping: _plain("a dict", lambda v: isinstance(v, Mapping), dict),
+    dict: _plain("a dict", lambda v: isinstance(v, Mapping), dict),
 }
 #: Kinds of many values.
 _MANY = (abc.Iterable, abc.Sequence, abc.Collection, list, tuple)
@@ -113,10 +140,10 @@ def _rule(hint: Any) -> _Rule | None:
         return _PLAIN[kind]
     if kind in _MANY:
         return _many(args)
-    if not isinstance(kind, type) or kind in (Any, object, np.ndarray) or getattr(kind, "_is_protocol", False):
+    if not isinstance(kind, type) or kind in (Any, object) or getattr(kind, "_is_protocol", False):
         return None
     article = "an" if kind.__name__[:1] in "AEIOU" else "a"
-    return _Rule(lambda v: isinstance(v, kind), f"{article} {kind.__name__}")
+    return _Rule(lambda v: isinstance(v, kind), f"{article} {kind.__name__}", frozenset({kind}))
 
 
 def _either(options: list[_Rule | None]) -> _Rule | None:
@@ -125,7 +152,9 @@ def _either(options: list[_Rule | None]) -> _Rule | None:
         return None
     *most, last = dict.fromkeys(rule.words for rule in rules)
     words = f"{', '.join(most)} or {last}" if most else last
-    return _Rule(lambda v: any(rule.accepts(v) for rule in rules), words)
+    return _Rule(
+        lambda v: any(rule.accepts(v) for rule in rules), words, frozenset().union(*(rule.kinds for rule in rules))
+    )
 
 
 def _many(args: tuple[Any, ...]) -> _Rule:

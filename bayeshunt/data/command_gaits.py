@@ -34,6 +34,7 @@ def gaits_of_commands(
     commands: [N, A]. gaits: a number of clusters, or "held" (each distinct command), or the name of ``column``, which
     holds names already. Fewer distinct commands than clusters give as many gaits as there are commands.
     """
+    check_whole(seed, "seed", 0)
     if column is not None:
         names = column.astype(str).to_numpy(dtype=object)
         if column.isna().any():

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.log_clock import seconds_of, unbroken
 from bayeshunt.data.log_columns import find_columns, lengths, radians_of
@@ -54,6 +55,7 @@ def read_log(
     ``attrs["bayeshunt"]``. Raises DataError that names the column that is missing, InputError for a unit to be said.
     """
     source = os.fspath(path)
+    check_number(offset, "offset", "seconds")
     table = read_table(path, reader)
     found = find_columns(list(table.columns), time, pose, command, source, with_command=commands is None)
     if found["time"] is None:
@@ -160,7 +162,8 @@ def _turning(log: pd.DataFrame) -> list[str]:
     """A warning if the heading turns one way where the path turns the other: then it is likely clockwise."""
     if len(log) < 3:
         return []
-    same = np.diff(log["run"].to_numpy()) == 0
+    run = log["run"].to_numpy()
+    same = run[1:] == run[:-1]
     moved = np.diff(log["x"].to_numpy()) + 1j * np.diff(log["y"].to_numpy())
     bend = np.angle(moved[1:] * np.conj(moved[:-1]))
     turned = np.diff(log["yaw"].to_numpy())

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import wrap
@@ -27,6 +28,7 @@ __all__ = ["gaits_from_log", "gaits_from_windows"]
 _MOST_TURN = 3 * np.pi
 
 
+@checked
 def gaits_from_windows(
     frame: pd.DataFrame,
     command: Sequence[str] = ("cmd_left", "cmd_right"),
@@ -83,6 +85,7 @@ def gaits_from_windows(
     return _with_record(table.join(others), found, moved, step, body_length, frame.attrs, dropped, [])
 
 
+@checked
 def gaits_from_log(
     log: pd.DataFrame,
     time_step: float | None = None,
@@ -114,7 +117,7 @@ def gaits_from_log(
     begun, run, hold = starts["time"].to_numpy(), starts["run"].to_numpy(), starts["hold"].to_numpy()
     touching = np.abs(np.diff(begun) - step) < 1e-6 * step + 1e-9
     next_hold = np.diff(hold) == 1  # the hold between was not lost
-    follows = (np.diff(run) == 0) & (touching | (np.diff(hold) == 0) | next_hold)
+    follows = (run[1:] == run[:-1]) & (touching | (np.diff(hold) == 0) | next_hold)
     table = _table(found, commands, moved, follows, pd.RangeIndex(len(starts)))
     table.insert(0, "step", np.arange(len(table)))
     table["time"], table["run"] = begun, run
@@ -139,7 +142,7 @@ def _check_log(log: Any) -> None:
 def _holds(log: pd.DataFrame, names: list[str], step: float) -> np.ndarray | None:
     """The number [N] of the hold that each row belongs to; None if commands are not held for a time-step."""
     values, run = log[names].to_numpy(), log["run"].to_numpy()
-    change = (values[1:] != values[:-1]).any(axis=1) | (np.diff(run) != 0)
+    change = (values[1:] != values[:-1]).any(axis=1) | (run[1:] != run[:-1])
     hold = np.concatenate([[0], np.cumsum(change)])
     time = log["time"].to_numpy()
     first = np.flatnonzero(np.concatenate([[True], change]))
@@ -154,7 +157,7 @@ def _windows(log: pd.DataFrame, holds: np.ndarray | None, step: float) -> tuple[
     run = log["run"].to_numpy()
     piece = run if holds is None else holds
     time = log["time"].to_numpy()
-    first = np.flatnonzero(np.concatenate([[True], np.diff(piece) != 0]))
+    first = np.flatnonzero(np.concatenate([[True], piece[1:] != piece[:-1]]))
     after = np.concatenate([first[1:], [len(log)]])
     # a command holds until the next one comes: up to the first row of the next hold, in the same run
     ends = [time[b] if b < len(log) and run[b] == run[a] else time[b - 1] for a, b in zip(first, after, strict=True)]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.data.steps import Run, median_step, native_step, runs
 from bayeshunt.data.transitions import STANDING_SHARE
 
@@ -39,6 +40,7 @@ class TrackReport(NamedTuple):
     suggested_turns: int
 
 
+@checked
 def track_report(tracks: pd.DataFrame) -> TrackReport:
     """Return the facts of a table of tracks; DataError if it is none."""
     found, native = runs(tracks), native_step(tracks)

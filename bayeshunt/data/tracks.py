@@ -65,6 +65,7 @@ def read_tracks(
     Raises InputError if unit or rate is missing (it shows what the file claims), DataError for a damaged file.
     """
     source = os.fspath(path)
+    check_number(least_confidence, "least_confidence", "a share")
     chosen = find_reader(path, reader)
     found = chosen.read(Path(path), columns=columns or {}, keypoint=keypoint)
     return _table(found, source, chosen.name, rate, unit, scale, y, least_confidence, degrees)
@@ -117,7 +118,7 @@ def _variable(dataset: Any, name: str) -> Any:
         found.dims  # noqa: B018
     except (KeyError, TypeError, IndexError, AttributeError):
         kind = type(dataset).__name__
-        raise InputError(f"tracks: expected an xarray Dataset with {name!r}, got a value of type {kind}") from None
+        raise InputError(f"dataset: expected an xarray Dataset with {name!r}, got a value of type {kind}") from None
     return found
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import wrap
@@ -31,6 +32,7 @@ STANDING_SHARE = 0.1
 _WINDOW = re.compile(r"(past|future)_(\d+)_forward$")
 
 
+@checked
 def transitions(
     tracks: pd.DataFrame,
     time_step: float | None = None,

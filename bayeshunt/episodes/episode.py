@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from bayeshunt.core import displays
+from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.errors import DataError
 from bayeshunt.episodes.recorder import Step
 from bayeshunt.files import parquet
@@ -61,6 +62,9 @@ class Episode:
     plans: tuple[Plan, ...] = ()
     situations: tuple[Situation, ...] = ()
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @classmethod
     def assemble(
         cls, steps: list[Step], trail: list[Any], result: Any, *, settings: ExperimentSettings, **origin: Any
@@ -105,6 +109,7 @@ class Episode:
         energy, changes, falls = (self.provenance[name] for name in ("energy", "changes", "falls"))
         return f"{energy:.1f} J, {changes} changes of gait, {falls} falls"
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table, the trail and the provenance as one Parquet file with checksums, replaced atomically."""
         import pyarrow as pa
@@ -115,6 +120,7 @@ class Episode:
         parquet.write(table, record, path)
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> Episode:
         """Read an episode; DataError in one line if the file is missing, damaged or something else.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bayeshunt.config.schema.sensing import SensingSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, shown
@@ -56,6 +57,7 @@ class Hunter(Perceiver):
     Raises InputError, naming the argument, for what cannot be used.
     """
 
+    @checked
     def __init__(
         self, planner: Planner | str, model: ForwardModel | None = None, sensing: Any = None, seed: int = 0, *,
         prey_model: TargetModel | None = None, task: Task | None = None, gaits: GaitRepertoire | None = None,
@@ -138,6 +140,8 @@ def _planner(planner: Planner | str, model: ForwardModel | None) -> Planner:
 
 def _gaits(planner: Planner, model: ForwardModel | None, gaits: GaitRepertoire | None) -> GaitRepertoire:
     """The hunter's repertoire: as given, the model's, or the one that the planner was made for."""
+    if model is not None and not isinstance(getattr(model, "gaits", None), GaitRepertoire):
+        raise InputError(f"model: expected a ForwardModel, got {shown(model)}")
     own = getattr(planner, "hunter", None)
     own = own if isinstance(own, GaitRepertoire) else None
     given = gaits if gaits is not None else None if model is None else model.gaits

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.checks import check_kind, check_radians, check_whole
+from bayeshunt.core.checks import check_kind, check_number, check_radians, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import Polar
@@ -72,6 +72,7 @@ class Pursuit:
         self.gaits: GaitRepertoire = settings.robot.gaits
         streams = spawn_streams(seed)
         self.trial = Trial(settings, arena, float(theta), streams)
+        check_number(foresight, "foresight", "seconds")
         self.rng, self._sensor_rng, self._foresight = streams["planner"], streams["sensor"], foresight
         sensing = settings.sensing
         context = PerceptionContext(

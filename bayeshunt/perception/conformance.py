@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import BayesHuntError, shown
 from bayeshunt.core.gaits import Gait
@@ -25,6 +26,7 @@ _CONTEXT = PerceptionContext(time_step=_STEP, body_length=0.06, prey_length=0.06
 _GAIT = Gait("ahead", (0.05, 0.05))
 
 
+@checked
 def check_sensor(name: str, seed: int = 0, **settings: Any) -> None:
     """Raise BayesHuntError, naming the sensor and the fault, unless a registered one keeps the rules.
 
@@ -46,6 +48,7 @@ def check_sensor(name: str, seed: int = 0, **settings: Any) -> None:
         _demand(name, "sensor", repr(seen[0]) == repr(seen[1]), "is not reproducible")
 
 
+@checked
 def check_tracker(name: str, seed: int = 0, **settings: Any) -> None:
     """Raise BayesHuntError, naming the tracker and the fault, unless a registered one keeps the rules.
 

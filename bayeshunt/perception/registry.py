@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import Sensor, Tracker
 from bayeshunt.perception.sensors.exact import ExactSensor
@@ -24,6 +25,7 @@ _TRACKERS: dict[str, Factory] = {"exact": ExactTracker}
 _SHIPPED = {"sensor": frozenset(_SENSORS), "tracker": frozenset(_TRACKERS)}
 
 
+@checked
 def register_sensor(name: str, factory: Factory) -> None:
     """Give a sensor a name that ``sensing.sensor`` may use.
 
@@ -33,6 +35,7 @@ def register_sensor(name: str, factory: Factory) -> None:
     _register("sensor", _SENSORS, name, factory)
 
 
+@checked
 def register_tracker(name: str, factory: Factory) -> None:
     """Give a tracker a name that ``sensing.tracker`` may use.
 

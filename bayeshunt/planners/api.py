@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 
 from bayeshunt.core import displays
+from bayeshunt.core.arguments import check_fields
 from bayeshunt.core.checks import (
     check_kind,
     check_number,
@@ -211,6 +212,7 @@ class Plan:
             object.__setattr__(self, "gaits", (self.gait,))
         if self.make_trace is None:
             object.__setattr__(self, "make_trace", partial(_one_row, self.gait, self.value))
+        check_fields(self)
 
     @cached_property
     def trace(self) -> pd.DataFrame:

@@ -15,6 +15,7 @@ import typing
 from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.planners.info import FUTURE
 from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped, made_by
 from bayeshunt.planners.settings import settings_fields
@@ -70,6 +71,7 @@ class PlannerFacts(NamedTuple):
     settings: tuple[Setting, ...]
 
 
+@checked
 def describe_planner(name: str) -> PlannerFacts:
     """Return what is known of a registered planner; InputError for another name."""
     entry = find_planner(name)

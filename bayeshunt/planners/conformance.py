@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.planners.api import Plan, Planner, Situation
@@ -17,6 +18,7 @@ from bayeshunt.planners.asking import check_can_plan
 __all__ = ["check_planner", "same_plan"]
 
 
+@checked
 def check_planner(planner: Planner, gaits: Iterable[str], situations: Iterable[Situation], seed: int) -> None:
     """Raise BayesHuntError, naming the planner and the fault, unless it keeps the rules.
 

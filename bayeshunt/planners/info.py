@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bayeshunt.core.checks import check_kind
+from bayeshunt.core.arguments import check_fields
 from bayeshunt.core.errors import InputError, did_you_mean
 
 __all__ = ["FUTURE", "ROOM", "PlannerInfo", "own_foresight", "read_marks"]
@@ -45,8 +45,7 @@ class PlannerInfo:
     maker: str = ""
 
     def __post_init__(self) -> None:
-        for name in ("ab_initio", "hunts"):
-            check_kind(getattr(self, name), f"PlannerInfo: {name}", bool, "True or False")
+        check_fields(self)
         if not isinstance(self.needs, (tuple, list, set, frozenset)) or not all(
             isinstance(need, str) for need in self.needs
         ):

@@ -7,6 +7,7 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean
 from bayeshunt.models.body.forward import ForwardModel
@@ -72,6 +73,7 @@ _REGISTRY: dict[str, Registered] = {}
 _MADE: dict[type, PlannerInfo] = {}
 
 
+@checked
 def register_planner(
     name: str,
     factory: Factory,
@@ -112,6 +114,7 @@ def made_by(factory: Factory) -> Any:
         return factory
 
 
+@checked
 def planner_names(*, standalone: bool = False) -> tuple[str, ...]:
     """Return the names of all registered planners, in order of registration.
 
@@ -158,6 +161,7 @@ def explores(name: str, given: Collection[str] = ()) -> bool:
     return info.prepare is not None and info.prepare not in given
 
 
+@checked
 def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
     """Return the planner called ``name`` for a fitted forward model.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -13,6 +13,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import load_robot
 from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_callable, check_whole
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -27,13 +28,14 @@ __all__ = ["PATH_INTERVALS", "babble", "balanced_order", "hold", "interval_steps
 PATH_INTERVALS = 13
 
 
+@checked
 def babble(
     robot: str | os.PathLike[str] | RobotSettings,
     steps: int = 2000,
     seed: int = 0,
     *,
     physics: PhysicsSettings | None = None,
-    progress: Any = None,
+    progress: Callable[[int], None] | None = None,
     world: str = BOX2D,
 ) -> pd.DataFrame:
     """Return the babbling table of ``steps`` gaits, momentum carried from each to the next.

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from bayeshunt.config.schema import DiscSettings, DriveSettings
 from bayeshunt.config.schema.drives import DriveKind, Speed, drive_names, know_drive
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, shown
 
 __all__ = ["BodyEntry", "body_factory", "register_body", "registered_bodies"]
@@ -25,6 +26,7 @@ _SHIPPED = frozenset(drive_names())
 _BODIES: dict[str, BodyEntry] = {}
 
 
+@checked
 def register_body(
     name: str, factory: Callable[..., Any], *, commands: Sequence[str] = (),
     settings: type[DiscSettings] = DriveSettings, speed: Speed | None = None,

@@ -9,6 +9,7 @@ import numpy as np
 
 from bayeshunt.config.loading import load_experiment, load_robot
 from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, PhysicsSettings, RobotSettings
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait
@@ -25,6 +26,7 @@ __all__ = ["check_body", "check_prey", "check_world"]
 _START: Mapping[str, Pose] = {HUNTER: Pose(0.0, 0.0, 0.0), PREY: Pose(0.3, 0.1, 0.5)}
 
 
+@checked
 def check_world(world: str, experiment: str | ExperimentSettings = "paper", arena: str = "open", seed: int = 0) -> None:
     """Raise BayesHuntError, naming the world and the fault, unless it keeps the rules.
 
@@ -49,6 +51,7 @@ def check_world(world: str, experiment: str | ExperimentSettings = "paper", aren
     fault.unless(global_generator() == chance, "used numpy's global generator")
 
 
+@checked
 def check_body(robot: str | RobotSettings, world: str = BOX2D, seed: int = 0) -> None:
     """Raise BayesHuntError, naming the robot and the fault, unless its body keeps the rules in ``world``.
 
@@ -66,6 +69,7 @@ def check_body(robot: str | RobotSettings, world: str = BOX2D, seed: int = 0) ->
     fault.unless(moved > 1e-6, "does not move, whatever gait it is given")
 
 
+@checked
 def check_prey(behaviour: str, experiment: str | ExperimentSettings = "paper", seed: int = 0) -> None:
     """Raise BayesHuntError, naming the prey and the fault, unless a behaviour keeps the rules.
 

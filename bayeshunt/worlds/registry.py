@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import World
 from bayeshunt.worlds.scene import Scene
@@ -26,6 +27,7 @@ _WORLDS: dict[str, WorldFactory] = {BOX2D: _box2d}
 _SHIPPED = frozenset(_WORLDS)
 
 
+@checked
 def register_world(name: str, factory: WorldFactory) -> None:
     """Give a world a name that ``world = NAME`` in an experiment may use.
 

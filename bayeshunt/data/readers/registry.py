@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.text_tables import read_bytes
 
@@ -60,6 +61,7 @@ _READERS: dict[str, tuple[str, str] | Callable[[], TrackReader]] = {
 }
 
 
+@checked
 def register_reader(name: str, factory: Callable[[], TrackReader]) -> None:
     """Let :func:`bayeshunt.read_tracks` read one more format; a later one is asked before those that ship.
 

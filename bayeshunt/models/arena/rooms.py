@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.checks import check_bearings
 from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
@@ -53,6 +54,7 @@ class RoomModel:
         return cls(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
 
     @classmethod
+    @checked
     def fit(cls, track: pd.DataFrame, model: ForwardModel) -> RoomModel:
         """Learn the walls from poses while babbling in the arena.
 
@@ -79,6 +81,7 @@ class RoomModel:
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("normals", "offsets", "lengths", "blocked"):
             array = np.array(getattr(self, name))
             array.setflags(write=False)
@@ -90,6 +93,7 @@ class RoomModel:
         columns = {"bearing_deg": bearing, "offset_m": self.offsets, "length_m": self.lengths, "blocked": self.blocked}
         return pd.DataFrame(columns).rename_axis("Wall")
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the room as JSON with a checksum, replaced atomically."""
         content = {
@@ -103,6 +107,7 @@ class RoomModel:
         _RECORD.save(content, path)
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> RoomModel:
         """Read a room; ModelFileError in one line if the file is missing, damaged or something else."""
         _, content = _RECORD.load(path)

@@ -17,6 +17,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import recorded_gaits
 from bayeshunt.core import displays
+from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_pseudo_count, check_whole
 from bayeshunt.core.errors import InputError, did_you_mean, shown
@@ -73,6 +74,9 @@ class Assessment:
     given: dict[str, Any] | None
     notes: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     def __repr__(self) -> str:
         facts, best = self.settings, self.structures["log_loss"].idxmin()
         return f"<Assessment: {facts['rows']} rows, {facts['folds']} folds, best structure {best}>"
@@ -97,6 +101,7 @@ class Assessment:
         return _plain({"settings": self.settings, **tables, "given": self.given, "notes": list(self.notes)})
 
 
+@checked
 def assess(
     frame: pd.DataFrame,
     gaits: Iterable[Gait | str] | GaitRepertoire | None = None,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -27,6 +28,7 @@ _BOOTSTRAPS = 1000
 _UNKNOWN = -1
 
 
+@checked
 def score_forward(
     frame: pd.DataFrame,
     gaits: int | Iterable[Gait | str] | GaitRepertoire | None = None,

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number, check_whole
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.geometry import FloatArray
@@ -51,6 +52,7 @@ class _Windows(NamedTuple):
     identity: np.ndarray  # [N]
 
 
+@checked
 def score_prey(
     tracks: pd.DataFrame,
     models: Sequence[Any] | Mapping[str, Any] | None = None,

@@ -58,6 +58,7 @@ class ForwardModel(WritableModel):
     data: tuple[pd.DataFrame, ...]
     whole: ForwardModel | None
 
+    @checked
     def __init__(
         self,
         joint: JointCounts | PreviousCounts,
@@ -87,6 +88,7 @@ class ForwardModel(WritableModel):
             object.__setattr__(self, name, value)
 
     @classmethod
+    @checked
     def over(
         cls, source: TableSource, provenance: Mapping[str, Any] | None = None, data: tuple[pd.DataFrame, ...] = ()
     ) -> ForwardModel:
@@ -145,6 +147,7 @@ class ForwardModel(WritableModel):
         return empty.update(frame)._fitted(structure)
 
     @classmethod
+    @checked
     def from_counts(
         cls,
         joint: JointCounts | PreviousCounts,
@@ -207,15 +210,17 @@ class ForwardModel(WritableModel):
             if structure in structures.SEARCHED:
                 raise InputError(f"structure {structure!r} is found in rows, and there are none yet; use fit")
             structure = structures.find_structure(structure, counts.table)
-        return cls(counts, prior, gait_prior, structure=structure)
+        return cls(counts, prior, gait_prior, structure=structure, backoff=backoff)
 
     @classmethod
+    @checked
     def of_tables(
         cls, gaits: GaitRepertoire, axes: EffectAxes, structure: Structure, tables: Mapping[str, np.ndarray]
     ) -> ForwardModel:
         """Return the model of tables that another program made; see :class:`GivenTables`."""
         return cls.over(GivenTables.of(gaits, axes, structure, tables))
 
+    @checked
     def update(self, rows: pd.DataFrame) -> ForwardModel:
         """Return a new model that has also counted ``rows``; equal to one batch fit of all rows.
 
@@ -234,6 +239,7 @@ class ForwardModel(WritableModel):
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance
         return ForwardModel.over(tables, provenance, (*self.data, rows))
 
+    @checked
     def with_data(self, frame: pd.DataFrame) -> ForwardModel:
         """Return this model with the rows that it counted, which no model file holds; DataError for others."""
         if not self.has_counts:
@@ -245,6 +251,7 @@ class ForwardModel(WritableModel):
 
     # --- what will happen ---------------------------------------------------------------------
 
+    @checked
     def given(self, context: Mapping[str, Gait | str | None]) -> ForwardModel:
         """Return what each gait does in a context: the tables conditioned on it.
 
@@ -261,6 +268,7 @@ class ForwardModel(WritableModel):
                 raise InputError(f"unknown context {variable!r}: expected {PREVIOUS}")
         return self.after(context.get(PREVIOUS))
 
+    @checked
     def after(self, previous_gait: Gait | str | None) -> ForwardModel:
         """Return what each gait does right after ``previous_gait``: ``given({"PreviousGait": previous_gait})``."""
         name = None if previous_gait is None else self.gaits.names[self.gaits.index(previous_gait)]
@@ -313,6 +321,7 @@ class ForwardModel(WritableModel):
         check_generator(rng)
         return self.source.draw(index, rng.random((int(n), sampling.UNIFORMS)))
 
+    @checked
     def outcomes(self, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
 
@@ -324,6 +333,7 @@ class ForwardModel(WritableModel):
         poses = [self.source.draw(gait, draws) for gait in range(len(self.gaits))]
         return Polar(*(np.stack(parts) for parts in zip(*poses, strict=True)))
 
+    @checked
     def log_likelihood(self, rows: pd.DataFrame | JointCounts | PreviousCounts) -> float:
         """Return sum over rows of log P(Gait) + log P(Distance, Angle, Heading | causes), natural log.
 

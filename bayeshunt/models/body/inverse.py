@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import FULL_TURN, check_bearings, check_kind, check_number, check_numbers, check_radians
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
 from bayeshunt.core.gaits import Gait
@@ -45,6 +46,7 @@ class InverseModel:
     Raises ZeroCountError if the forward model has counted nothing.
     """
 
+    @checked
     def __init__(self, model: ForwardModel) -> None:
         check_kind(model, "model", ForwardModel, "a ForwardModel")
         model = model.binned
@@ -94,6 +96,7 @@ class InverseModel:
         Raises InputError for a number out of range, and with ``snap=False``
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
         """
+        check_kind(snap, "snap", bool, "True or False")
         try:
             d, a = float(distance), float(angle)
         except (TypeError, ValueError):  # no check beforehand: this is the innermost loop of a hunt
@@ -131,6 +134,7 @@ class InverseModel:
         check_bearings(a, "target angles", _TURNS)
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
 
+    @checked
     def posterior_of(self, samples: Any, weights: Any = None) -> pd.Series:
         """Return ``sum_k w_k P(Gait | target_k)``: which gait leads there when the target is not a point.
 

@@ -10,6 +10,7 @@ from typing import Any, Self
 
 import pandas as pd
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.gaits import Gait
 from bayeshunt.models.body.opening import OpenTables
 from bayeshunt.models.formats import csv, model_file, xmlbif
@@ -58,6 +59,7 @@ class WritableModel(OpenTables):
         return cls.over(*model_file.load(path))
 
     @classmethod
+    @checked
     def loads(cls, text: str, name: str = "model") -> Self:
         """Return the model in the text of a model file; ``name`` is what a ModelFileError calls it."""
         return cls.over(*model_file.loads(text, name))
@@ -77,6 +79,7 @@ class WritableModel(OpenTables):
         parts = {name: csv.cells(self.after(name).table(variable), axis) for name in self.gaits.names}
         return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
 
+    @checked
     def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
         """Export as XMLBIF for other programs, with a map of state labels beside it: the tables of :attr:`binned`."""
         xmlbif.write(self.binned, path)

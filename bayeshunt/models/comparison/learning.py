@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS, EffectAxes
-from bayeshunt.core.checks import check_whole
+from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.data import babbling_table
@@ -37,7 +37,8 @@ class Learning:
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
     ) -> None:
-        record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
+        check_kind(frame, "frame", pd.DataFrame, "a babbling table")
+        record = frame.attrs.get(babbling_table.PROVENANCE_KEY)
         self.gaits, self._axes = measured(gaits, axes, record)
         babbling_table.validate(frame, self.gaits.names)
         self.frame, self.prior, self.gait_prior = frame, prior, gait_prior

@@ -282,6 +282,8 @@ def tables_of(
     """
     if prior is None:
         prior = 0.0 if backoff is None else PRIOR
+    if backoff is not None:
+        check_strength(backoff)
     if isinstance(counts, PreviousCounts):
         return ContextTables(counts, prior, gait_prior, PREVIOUS_GAIT if structure is None else structure, backoff)
     if backoff is not None:

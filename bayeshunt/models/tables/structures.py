@@ -15,7 +15,7 @@ from itertools import combinations
 
 import pandas as pd
 
-from bayeshunt.core.arguments import check_fields
+from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.models.counting.cells import (
@@ -66,6 +66,7 @@ class Structure:
         except CycleError:
             raise InputError(f"structure {self.name}: the edges run in a circle") from None
 
+    @checked
     def parents(self, variable: str) -> tuple[str, ...]:
         """Return the parents of a variable in alphabetical order, the order of pgmpy's tables."""
         return tuple(sorted(parent for parent, child in self.edges if child == variable))

@@ -10,7 +10,7 @@ import numpy as np
 
 from bayeshunt.core.bins import Axis, EffectAxes
 from bayeshunt.core.checks import check_number
-from bayeshunt.core.errors import DataError, InputError, did_you_mean
+from bayeshunt.core.errors import DataError, InputError, did_you_mean, shown
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.data.transitions import windows_of
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
@@ -22,7 +22,7 @@ from bayeshunt.models.target.speed_table import SpeedTable, cell_codes
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Conditions", "ahead_of", "binned", "default_axes"]
+__all__ = ["Conditions", "ahead_of", "binned", "check_given", "default_axes"]
 
 #: Of futures, the share drawn from whole residuals where both tables are there; the rest step by step.
 _WHOLE = 0.75
@@ -47,14 +47,6 @@ class Conditions:
         """Return empty conditions for a table of transitions, None if nothing is asked for."""
         if given is None and residual_of is None:
             return None
-        if given not in (None, "speed"):
-            raise InputError(f"given: expected 'speed' or None, got {given!r}")
-        if residual_of is not None and residual_of not in BASES:
-            raise InputError(
-                f"residual_of: unknown motion {residual_of!r}{did_you_mean(str(residual_of), list(BASES))}"
-            )
-        if check_number(backoff, "backoff", "a weight > 0") <= 0:
-            raise InputError(f"backoff: expected a weight > 0, got {backoff}")
         for name in ("time_step", "scale"):
             if name not in frame or frame.empty:
                 raise DataError(
@@ -218,3 +210,15 @@ def binned(frame: pd.DataFrame, axes: EffectAxes) -> Iterator[tuple[tuple[int, i
     turns = axes.heading.bins
     for code, count in zip(*(a.tolist() for a in np.unique(codes, return_counts=True)), strict=True):
         yield (code // (axes.angle.bins * turns), code // turns % axes.angle.bins, code % turns), count
+
+
+def check_given(given: Any, residual_of: Any, backoff: Any) -> None:
+    """Raise InputError for an unknown context, an unknown motion or a weight that is none."""
+    if check_number(backoff, "backoff", "a weight > 0") <= 0:
+        raise InputError(f"backoff: expected a weight > 0, got {backoff}")
+    if given not in (None, "speed"):
+        raise InputError(f"given: expected 'speed' or None, got {shown(given)}")
+    if residual_of is not None and (not isinstance(residual_of, str) or residual_of not in BASES):
+        raise InputError(
+            f"residual_of: unknown motion {shown(residual_of)}{did_you_mean(str(residual_of), list(BASES))}"
+        )

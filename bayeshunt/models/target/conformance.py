@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.core.geometry import Polar
@@ -14,6 +15,7 @@ __all__ = ["check_prey_model"]
 _SEEN = (Polar(0.16, 0.0, 0.0), Polar(0.15, 0.3, 0.6), Polar(0.16, -0.1, -0.2), Polar(0.0, 0.0, 0.0))
 
 
+@checked
 def check_prey_model(name: str) -> None:
     """Raise BayesHuntError, naming the model and the fault, unless a registered prey model keeps the rules.
 

@@ -22,7 +22,7 @@ from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.data.transitions import validate_transitions
 from bayeshunt.files.records import RecordKind
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
-from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, default_axes
+from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, check_given, default_axes
 from bayeshunt.models.target.speed_table import BACKOFF, cell_codes
 
 if TYPE_CHECKING:
@@ -98,6 +98,7 @@ class PreyModel:
 
         Raises DataError if the table is none or lacks what is asked for, InputError for an unknown motion or context.
         """
+        check_given(given, residual_of, backoff)
         validate_transitions(transitions, conditioned=given is not None)
         conditions = Conditions.of(transitions, given, residual_of, axes, backoff)
         grid = axes if axes is not None else default_axes(transitions, fine=given is not None)
@@ -289,6 +290,7 @@ class PreyModel:
         }
 
     @classmethod
+    @checked
     def from_dict(cls, record: dict[str, Any]) -> PreyModel:
         """Rebuild a model from :meth:`to_dict`; raises InputError if the record is not one."""
         try:

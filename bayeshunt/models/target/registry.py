@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import TargetModel
@@ -23,6 +24,7 @@ _MODELS: dict[str, Factory] = {COUNTS: PreyModel}
 _SHIPPED = frozenset(_MODELS)
 
 
+@checked
 def register_prey_model(name: str, factory: Factory) -> None:
     """Give a model of the prey a name that ``prey.model`` may use.
 

@@ -19,6 +19,7 @@ from bayeshunt.config.loading import parse
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.config.schema.legs import legs_at_rest
 from bayeshunt.core import units
+from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
@@ -32,6 +33,7 @@ from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
 
 
+@checked
 def write_replay(
     episode: Episode, path: str | os.PathLike[str], *, model: ForwardModel | None = None, source: Sequence[str] = ()
 ) -> None:
