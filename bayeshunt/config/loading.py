@@ -18,7 +18,7 @@ from bayeshunt.config.plausibility import warn_implausible
 from bayeshunt.config.scaling import absolute, rescaled
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -47,7 +47,6 @@ DEFAULT_PRESET = "oses2010"
 _PRESETS = resources.files("bayeshunt") / "config" / "presets"
 
 
-@checked
 def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
     """Return a robot given by preset name ("khepera", "car"), by TOML path, or as settings.
 
@@ -59,7 +58,7 @@ def load_robot(robot: str | os.PathLike[str] | RobotSettings) -> RobotSettings:
     return _plausible(settings, source)
 
 
-@checked
+@checked_but("experiment")
 def load_experiment(
     experiment: str | os.PathLike[str] | ExperimentSettings, overrides: dict[str, Any] | None = None
 ) -> ExperimentSettings:

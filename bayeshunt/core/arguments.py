@@ -24,7 +24,7 @@ import numpy as np
 
 from bayeshunt.core.errors import InputError, shown
 
-__all__ = ["check_fields", "checked"]
+__all__ = ["check_fields", "checked", "checked_but"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -40,22 +40,31 @@ class _Rule(typing.NamedTuple):
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Return ``function`` with its arguments held to its type hints (but numbers): InputError names the wrong one."""
+    return checked_but()(function)
+
+
+def checked_but(*left: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return :func:`checked` for a function that checks the arguments ``left`` itself, in better words."""
     # Numbers are left to the checks of their range inside, which say better what is expected.
     numbers = {f"{rule.words}{none}" for rule in (_PLAIN[float], _PLAIN[int]) for none in ("", " or None")}
-    names = [p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_POSITIONAL]
 
-    @functools.wraps(function)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
-        rules = _rules(function)
-        for name, value in (*zip(names, args, strict=False), *kwargs.items()):
-            rule = rules.get(name)
-            if rule is None or type(value) in rule.kinds or rule.words in numbers:
-                continue
-            if not rule.accepts(value):
-                raise InputError(f"{name}: expected {rule.words}, got {shown(value)}")
-        return function(*args, **kwargs)
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        names = [p.name for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_POSITIONAL]
 
-    return wrapper
+        @functools.wraps(function)
+        def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
+            rules = _rules(function)
+            for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+                rule = rules.get(name)
+                if rule is None or type(value) in rule.kinds or rule.words in numbers or name in left:
+                    continue
+                if not rule.accepts(value):
+                    raise InputError(f"{name}: expected {rule.words}, got {shown(value)}")
+            return function(*args, **kwargs)
+
+        return wrapper
+
+    return decorate
 
 
 def check_fields(value: Any) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.errors import InputError, shown
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import Polar
 
 __all__ = [
     "FULL_TURN",
@@ -27,7 +27,6 @@ __all__ = [
     "check_number",
     "check_numbers",
     "check_polar",
-    "check_pose",
     "check_positive",
     "check_pseudo_count",
     "check_radians",
@@ -139,24 +138,9 @@ def check_polar(value: Any, name: str) -> None:
 
     For what people hand in; poses made by the program itself need no check.
     """
-    _check_pose(value, name, Polar, ("distance",), ("angle", "heading"))
-
-
-def check_pose(value: Any, name: str, *, heading: bool = True) -> None:
-    """Raise InputError unless ``value`` is a Pose of finite numbers with theta within one turn.
-
-    heading: False lets theta be NaN (not known).
-    """
-    if isinstance(value, Pose) and not heading and isinstance(value.theta, float) and math.isnan(value.theta):
-        value = value._replace(theta=0.0)
-    _check_pose(value, name, Pose, ("x", "y"), ("theta",))
-
-
-def _check_pose(value: Any, name: str, kind: type, lengths: tuple[str, ...], angles: tuple[str, ...]) -> None:
-    check_kind(value, name, kind, f"a {kind.__name__}")
-    for part in lengths:
-        check_number(getattr(value, part), f"{name}.{part}", "a finite number of metres")
-    for part in angles:
+    check_kind(value, name, Polar, "a Polar")
+    check_number(value.distance, f"{name}.distance", "a finite number of metres")
+    for part in ("angle", "heading"):
         check_radians(getattr(value, part), f"{name}.{part}")
 
 

@@ -123,7 +123,6 @@ def _fits(values: pd.Series) -> bool:
     return True
 
 
-@checked
 def load(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Read and validate a babbling table written by :func:`save`; provenance in ``frame.attrs``.
 

@@ -120,7 +120,6 @@ class Episode:
         parquet.write(table, record, path)
 
     @classmethod
-    @checked
     def load(cls, path: str | os.PathLike[str]) -> Episode:
         """Read an episode; DataError in one line if the file is missing, damaged or something else.
 

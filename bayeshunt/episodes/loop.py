@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.messages import Moment
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.episodes.episode import Episode
@@ -26,7 +26,7 @@ from bayeshunt.planners.registry import check_sections, foresight_of
 __all__ = ["Result", "hunt", "run_hunt"]
 
 
-@checked
+@checked_but("arena")
 def hunt(
     experiment: str | os.PathLike[str] | ExperimentSettings,
     planner: Planner,

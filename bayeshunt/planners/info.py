@@ -45,14 +45,12 @@ class PlannerInfo:
     maker: str = ""
 
     def __post_init__(self) -> None:
-        check_fields(self)
         if not isinstance(self.needs, (tuple, list, set, frozenset)) or not all(
             isinstance(need, str) for need in self.needs
         ):
             raise InputError(f"PlannerInfo: needs: expected a list of names of settings, got {self.needs!r}")
         object.__setattr__(self, "needs", tuple(self.needs))
-        if self.foresight is not None and not callable(self.foresight):
-            raise InputError(f"PlannerInfo: foresight: expected a function of the planner, got {self.foresight!r}")
+        check_fields(self)
         if self.prepare is not None and self.prepare not in _PREPARED:
             hint = did_you_mean(self.prepare, _PREPARED)
             raise InputError(f"PlannerInfo: prepare: nothing called {self.prepare!r} can be prepared{hint}")

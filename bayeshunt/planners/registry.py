@@ -7,7 +7,7 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked, checked_but
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean
 from bayeshunt.models.body.forward import ForwardModel
@@ -73,7 +73,7 @@ _REGISTRY: dict[str, Registered] = {}
 _MADE: dict[type, PlannerInfo] = {}
 
 
-@checked
+@checked_but("info")
 def register_planner(
     name: str,
     factory: Factory,
@@ -161,7 +161,7 @@ def explores(name: str, given: Collection[str] = ()) -> bool:
     return info.prepare is not None and info.prepare not in given
 
 
-@checked
+@checked_but("model")
 def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
     """Return the planner called ``name`` for a fitted forward model.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.checks import check_pose, check_whole
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import Pose
@@ -56,7 +57,8 @@ class Babbler:
             pose = Pose(*(float(part) for part in own_pose))
         except (TypeError, ValueError):
             raise InputError(f"own_pose: expected a Pose(x, y, theta) of numbers, got {shown(own_pose)}") from None
-        check_pose(pose, "own_pose")
+        if not all(map(math.isfinite, pose)):
+            raise InputError(f"own_pose: expected finite numbers, got {pose}")
         if self._gait is not None and self._pose is not None:
             self._rows.append((self._gait, *self._pose.relative(pose), self._previous))
         self._pose, self._previous, self._gait = pose, self._gait, None

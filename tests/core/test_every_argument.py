@@ -20,11 +20,14 @@ SLOW = {"evaluate", "sweep", "tradeoff", "write_report", "remember", "reference"
 TAKEN = {"Gait name", "PreyModel conditions", "wrap angle", "InverseModel.after previous_gait"}
 #: What a message calls an argument, where that is plainer than its name.
 CALLED = {
+    "path": "expected the name of a",
+    "experiment": "expected the name of a preset",
+    "robot": "expected the name of a preset",
+    "assess frame": "table",
+    "make_planner model": "planner 'reactive'",
+    "register_reader factory": "a class or function that makes a reader",
+    "register_prey behaviour": "a class that is made from a Context",
     "GaitRepertoire.index name": "gait",
-    **dict.fromkeys(
-        ("ForwardModel.load path", "ForwardModel.save path", "PreyModel.load path", "PreyModel.save path"),
-        "expected the name of a file",
-    ),
     "InverseModel.posterior distance": "target",
     "InverseModel.posterior angle": "target",
     "Axis.index values": "Distance",
@@ -589,14 +592,14 @@ def _fits(annotation, wrong):
 
 def _fault(name, function, arguments, parameter, wrong, annotation):
     """What is wrong with the answer to a wrong argument; None if nothing is."""
-    fits = _fits(annotation, wrong)
+    fits, called = _fits(annotation, wrong), CALLED.get(f"{name} {parameter}", parameter)
     if fits and (name in SLOW or wrong == "None" or (name.startswith("register") and parameter == "name")):
         return None
     try:
         function(**{**arguments, parameter: WRONG[wrong]})
     except bh.InputError as error:
         message = str(error)
-        named = fits or CALLED.get(f"{name} {parameter}", parameter) in message
+        named = fits or any(words in message for words in (parameter, CALLED.get(parameter, parameter), called))
         return None if named and "\n" not in message else message
     except bh.BayesHuntError as error:
         return None if fits else str(error)

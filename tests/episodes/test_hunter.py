@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -236,3 +237,13 @@ def test_a_planner_of_ones_own_needs_the_model_and_its_mistakes_carry_its_name(k
 def test_pandas_is_not_needed_to_import_it():
     code = "import sys, bayeshunt.episodes.hunter; assert 'pandas' not in sys.modules, 'pandas'"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_first_heading_of_many_turns_is_taken_for_degrees(planner):
+    with pytest.warns(bh.DataWarning, match=r"own_pose: theta is 90 rad at the start.*math\.radians"):
+        bh.Hunter(planner).step(bh.Pose(0.0, 0.0, 90.0), bh.Pose(0.2, 0.0, 0.0))
+    hunter = bh.Hunter(planner)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for turns in (0.0, 3.0, 6.0, 9.0):  # a robot that goes on turning, its heading never wrapped
+            hunter.step(bh.Pose(0.0, 0.0, turns), bh.Pose(0.2, 0.0, 0.0))

@@ -25,14 +25,14 @@ Share = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 class _Named(_Model):
     """Classes of settings whose constructors say in one line which value is wrong."""
 
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
         try:
             return super().__call__(*args, **kwargs)
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
             place = ".".join(map(str, first["loc"]))
             message = " ".join(str(first["msg"]).removeprefix("Value error, ").split())
-            raise ConfigError(f"{cls.__name__}: {place + ': ' if place else ''}{message}") from None
+            raise ConfigError(f"{self.__name__}: {place + ': ' if place else ''}{message}") from None
 
 
 class Settings(BaseModel, metaclass=_Named):

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import pandas as pd
 
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.text_tables import read_bytes
 
@@ -61,7 +61,7 @@ _READERS: dict[str, tuple[str, str] | Callable[[], TrackReader]] = {
 }
 
 
-@checked
+@checked_but("factory")
 def register_reader(name: str, factory: Callable[[], TrackReader]) -> None:
     """Let :func:`bayeshunt.read_tracks` read one more format; a later one is asked before those that ship.
 

@@ -16,7 +16,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.checks import check_callable, check_kind, check_whole
 from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
 from bayeshunt.episodes.loop import Result
@@ -40,7 +40,7 @@ Progress = Callable[[int], None]
 Say = Callable[[str], None]
 
 
-@checked
+@checked_but("planners", "arenas", "model")
 def evaluate(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,

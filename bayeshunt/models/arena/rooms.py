@@ -107,7 +107,6 @@ class RoomModel:
         _RECORD.save(content, path)
 
     @classmethod
-    @checked
     def load(cls, path: str | os.PathLike[str]) -> RoomModel:
         """Read a room; ModelFileError in one line if the file is missing, damaged or something else."""
         _, content = _RECORD.load(path)

@@ -17,7 +17,7 @@ import pandas as pd
 
 from bayeshunt.config.loading import recorded_gaits
 from bayeshunt.core import displays
-from bayeshunt.core.arguments import check_fields, checked
+from bayeshunt.core.arguments import check_fields, checked_but
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_kind, check_pseudo_count, check_whole
 from bayeshunt.core.errors import InputError, did_you_mean, shown
@@ -101,7 +101,7 @@ class Assessment:
         return _plain({"settings": self.settings, **tables, "given": self.given, "notes": list(self.notes)})
 
 
-@checked
+@checked_but("frame", "structures", "model")
 def assess(
     frame: pd.DataFrame,
     gaits: Iterable[Gait | str] | GaitRepertoire | None = None,

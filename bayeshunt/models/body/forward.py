@@ -321,7 +321,6 @@ class ForwardModel(WritableModel):
         check_generator(rng)
         return self.source.draw(index, rng.random((int(n), sampling.UNIFORMS)))
 
-    @checked
     def outcomes(self, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the outcome of **every** gait for the same random numbers: Polar of arrays [G, ...].
 

@@ -79,7 +79,6 @@ class WritableModel(OpenTables):
         parts = {name: csv.cells(self.after(name).table(variable), axis) for name in self.gaits.names}
         return pd.concat(parts, names=["previous_gait"]).reset_index("previous_gait").reset_index(drop=True)
 
-    @checked
     def to_xmlbif(self, path: str | os.PathLike[str]) -> None:
         """Export as XMLBIF for other programs, with a map of state labels beside it: the tables of :attr:`binned`."""
         xmlbif.write(self.binned, path)

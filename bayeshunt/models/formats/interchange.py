@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
@@ -25,7 +25,7 @@ from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, S
 KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
 
 
-@checked
+@checked_but("path")
 def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAxes | None = None) -> ForwardModel:
     """Read a network over Gait, Distance, Angle, Heading and perhaps PreviousGait from a file of another program.
 

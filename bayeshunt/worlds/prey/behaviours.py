@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from bayeshunt.config.schema import ArenaSettings, PreySettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.geometry import wrap
 from bayeshunt.worlds.noise import gaussians
@@ -200,7 +200,7 @@ _BEHAVIOURS: dict[str, Callable[[Context], Prey]] = {
 _SHIPPED = frozenset(_BEHAVIOURS)
 
 
-@checked
+@checked_but("behaviour")
 def register_prey(name: str, behaviour: Callable[[Context], Prey]) -> None:
     """Give a behaviour a name that ``prey.behaviour`` in a settings file may use.
 
