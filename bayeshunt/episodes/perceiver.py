@@ -97,9 +97,9 @@ class Perceiver:
         own = _pose(own_pose, "own_pose")
         if self._origin is None:
             self._origin = own
-            if abs(own.theta) > FULL_TURN:  # later it may have turned so often
+            if abs(own.theta) > 2 * FULL_TURN:  # later it may have turned so often
                 warnings.warn(
-                    f"own_pose: theta is {own.theta:g} rad at the start, more than a turn; if that is in degrees, "
+                    f"own_pose: theta is {own.theta:g} rad at the start, more than two turns; if that is in degrees, "
                     "convert it: math.radians(theta)", DataWarning, stacklevel=3,
                 )  # fmt: skip
         origin = self._origin
