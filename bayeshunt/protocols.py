@@ -4,9 +4,11 @@ from bayeshunt.core.protocols import (
     Belief,
     Body,
     Detection,
+    ExpectingModel,
     Frame,
     Map,
     Moment,
+    MovingBelief,
     Observation,
     PreyBehaviour,
     Ray,
@@ -20,6 +22,6 @@ from bayeshunt.core.protocols import (
 )
 
 __all__ = [
-    "Belief", "Body", "Detection", "Frame", "Map", "Moment", "Observation", "PreyBehaviour", "Ray", "Reach", "Run",
-    "Sensor", "TargetModel", "Task", "Tracker", "World",
+    "Belief", "Body", "Detection", "ExpectingModel", "Frame", "Map", "Moment", "MovingBelief", "Observation",
+    "PreyBehaviour", "Ray", "Reach", "Run", "Sensor", "TargetModel", "Task", "Tracker", "World",
 ]  # fmt: skip

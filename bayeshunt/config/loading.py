@@ -44,6 +44,9 @@ Loaded = TypeVar("Loaded", RobotSettings, ExperimentSettings)
 #: The experiment that runs where none is named: the one that comes out as the paper reports it.
 DEFAULT_PRESET = "oses2010"
 
+#: The key that names a camera, and what another camera brings anew.
+_CAMERA, _OF_A_CAMERA = "sensing.preset", ("sensor", "tracker", "camera", "tracker_settings")
+
 _PRESETS = resources.files("bayeshunt") / "config" / "presets"
 
 
@@ -80,10 +83,12 @@ def load_experiment(
         values = _resolve(values, source)
     before = values
     values = copy.deepcopy(values)
-    # A group before what is inside it, so that the order in which changes are given means nothing.
+    # A group before what is inside it, a preset before what changes it: the order of the changes means nothing.
     for key, value in sorted(
-        (overrides or {}).items(), key=lambda change: (change[0] != "robot", change[0].count("."))
+        (overrides or {}).items(), key=lambda change: (change[0] != "robot", change[0].count("."), change[0] != _CAMERA)
     ):
+        if key == _CAMERA and isinstance(values.get("sensing"), dict):
+            values["sensing"] = {k: v for k, v in values["sensing"].items() if k not in _OF_A_CAMERA}
         if key == "robot" and isinstance(value, str):
             robot = _robot(value)[0]
             if values.get("robot") is not None:
@@ -210,7 +215,7 @@ def _resolve_robot(values: dict[str, Any], folder: Path) -> None:
 
 
 #: What makes an experiment another one than the published: change it, and the published figures say nothing.
-_EXPERIMENT = ("robot", "prey", "arenas", "physics", "protocol", "model")
+_EXPERIMENT = ("robot", "prey", "arenas", "physics", "sensing", "protocol", "model")
 
 
 def _forget_publication(values: dict[str, Any], before: dict[str, Any], given: set[str]) -> None:

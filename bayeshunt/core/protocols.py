@@ -19,7 +19,8 @@ from bayeshunt.core.messages import Detection, Frame, Moment, Observation, Ray, 
 from bayeshunt.core.task import Task
 
 __all__ = [
-    "Belief", "Body", "Detection", "Frame", "Map", "Moment", "Observation", "PreyBehaviour", "Ray", "Reach", "Run",
+    "Belief", "Body", "Detection", "ExpectingModel", "Frame", "Map", "Moment", "MovingBelief", "Observation",
+    "PreyBehaviour", "Ray", "Reach", "Run",
     "Sensor", "TargetModel", "Task", "Tracker", "World",
 ]  # fmt: skip
 
@@ -153,6 +154,18 @@ class Belief(Protocol):
 
 
 @runtime_checkable
+class MovingBelief(Protocol):
+    """What a belief may tell besides, if it is one of how the prey moves too."""
+
+    @property
+    def expected(self) -> tuple[Polar[FloatArray], FloatArray] | None:
+        """What the prey's transition in the last step may have been, [N], and how probable each is; None: not known."""
+
+    def sample_motion(self, n: int, *, rng: np.random.Generator) -> tuple[Pose[FloatArray], FloatArray]:
+        """Return ``n`` poses that it may have, and its speed [m/s] in each."""
+
+
+@runtime_checkable
 class Tracker(Protocol):
     """Turns observations into beliefs. Pure: it keeps nothing, and a belief that it was given stays as it is."""
 
@@ -161,6 +174,14 @@ class Tracker(Protocol):
 
     def update(self, belief: Belief, gait: Gait, observation: Observation, *, rng: np.random.Generator) -> Belief:
         """Return the belief after ``gait`` was executed and ``observation`` made at its end."""
+
+
+@runtime_checkable
+class ExpectingModel(Protocol):
+    """What a model of the prey may do besides: learn from a transition of which only probabilities are known."""
+
+    def expect(self, transitions: Polar[FloatArray], weights: FloatArray) -> None:
+        """Learn one transition: what it may have been, [N], and how probable each is."""
 
 
 @runtime_checkable

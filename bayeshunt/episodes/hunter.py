@@ -23,6 +23,7 @@ from bayeshunt.core.messages import Observation
 from bayeshunt.core.protocols import TargetModel, Tracker
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.core.task import Task
+from bayeshunt.episodes.knowledge import camera_of, known_to
 from bayeshunt.episodes.perceiver import Perceiver
 from bayeshunt.models.target.registry import COUNTS, is_prey_model, make_prey_model
 from bayeshunt.perception.registry import make_tracker
@@ -68,8 +69,9 @@ class Hunter(Perceiver):
         repertoire = _gaits(self.planner, model, gaits)
         streams = spawn_streams(seed) if streams is None else streams
         super().__init__(
-            repertoire, _tracker(sensing, repertoire), _prey_model(prey_model, model, repertoire),
+            repertoire, _tracker(sensing, repertoire, self.planner), _prey_model(prey_model, model, repertoire),
             Task() if task is None else task, rng=streams["belief"],
+            camera=camera_of(sensing) if isinstance(sensing, SensingSettings) else None,
         )  # fmt: skip
         self._rng = streams["planner"]
         self.plan: Plan | None = None
@@ -163,13 +165,17 @@ def _prey_model(known: TargetModel | None, model: ForwardModel | None, gaits: Ga
     return known.copy()
 
 
-def _tracker(sensing: Any, gaits: GaitRepertoire) -> Tracker:
+def _tracker(sensing: Any, gaits: GaitRepertoire, planner: Planner) -> Tracker:
     if isinstance(sensing, Tracker):
         return sensing
     settings = SensingSettings(tracker=sensing) if isinstance(sensing, str) else sensing or SensingSettings()
     if not isinstance(settings, SensingSettings):
         raise InputError(f"sensing: expected the name of a tracker, SensingSettings or a Tracker, got {shown(sensing)}")
-    context = PerceptionContext(time_step=gaits.duration, body_length=gaits.body_length)
+    known = known_to(planner)
+    context = PerceptionContext(
+        time_step=gaits.duration, body_length=gaits.body_length, camera=settings.camera, start=settings.start,
+        motion=known.motion, walls=known.walls,
+    )  # fmt: skip
     return make_tracker(settings.tracker, context, settings.tracker_settings)
 
 

@@ -16,6 +16,7 @@ from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.messages import Moment
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.episodes.episode import Episode
+from bayeshunt.episodes.knowledge import known_to
 from bayeshunt.episodes.pursuit import Pursuit, Result
 from bayeshunt.episodes.recorder import Step
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
@@ -87,7 +88,9 @@ def _begin(
     settings: ExperimentSettings, planner: Planner, arena: str, theta: float, seed: int, prey_model: TargetModel | None
 ) -> Pursuit:
     check_can_plan(planner, named=False)  # an evaluation knows it by the name it is registered under
-    running = Pursuit(settings, arena, theta, seed, prey_model=prey_model, foresight=foresight_of(planner))
+    running = Pursuit(
+        settings, arena, theta, seed, prey_model=prey_model, foresight=foresight_of(planner), known=known_to(planner)
+    )
     check_robot(planner, running.gaits, settings.robot.name)
     return running
 

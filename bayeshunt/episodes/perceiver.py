@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.checks import FULL_TURN, check_number
 from bayeshunt.core.errors import DataWarning, InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.messages import Detection, Frame, Observation
-from bayeshunt.core.protocols import Belief, TargetModel, Tracker
+from bayeshunt.core.protocols import Belief, ExpectingModel, MovingBelief, TargetModel, Tracker
 from bayeshunt.core.task import Task
 from bayeshunt.planners.api import Future, Situation
 
@@ -27,16 +28,18 @@ class Perceiver:
     """Turns what a hunter sees into situations, and remembers which gait followed each of them.
 
     gaits: the hunter's repertoire. tracker: what turns sightings into a belief. prey_model: what is known of the prey;
-    it goes on learning. task: what counts as a catch. rng: of all that the tracker draws.
+    it goes on learning. task: what counts as a catch. rng: of all that the tracker draws. camera: what the hunter sees
+    with, for planners that mind where it looks; None: it sees all.
 
     belief, prey_model, situation, time [s] and steps are there to look at; ``observed`` is the prey transition that
     the last situation has learned, or None; ``skipped`` counts the steps whose transition was not learned.
     """
 
     def __init__(
-        self, gaits: GaitRepertoire, tracker: Tracker, prey_model: TargetModel, task: Task, *, rng: np.random.Generator
-    ) -> None:
-        self.gaits, self.task, self.prey_model = gaits, task, prey_model
+        self, gaits: GaitRepertoire, tracker: Tracker, prey_model: TargetModel, task: Task, *,
+        rng: np.random.Generator, camera: CameraSettings | None = None,
+    ) -> None:  # fmt: skip
+        self.gaits, self.task, self.prey_model, self.camera = gaits, task, prey_model, camera
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
         self._passed = 0.0
@@ -71,7 +74,7 @@ class Perceiver:
             body_length=self.gaits.body_length, time=observation.time, step=self.steps,
             previous_gait=self.previous, time_step=self.gaits.duration,
             transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
-            belief=self.belief,
+            belief=self.belief, camera=self.camera,
         )  # fmt: skip
         return self.situation
 
@@ -120,10 +123,19 @@ class Perceiver:
         gait = self.gaits[self.previous]
         self._passed = observation.time - self.time
         self.belief = self._tracker.update(before, gait, observation, rng=self._belief_rng)
-        for transition in self.belief.transitions[len(before.transitions) :]:
-            self.prey_model.observe(transition)
-            self.observed = transition
-        self.skipped += self.observed is None
+        self.skipped += not self._learn(self.belief.transitions[len(before.transitions) :])
+
+    def _learn(self, transitions: tuple[Polar, ...]) -> bool:
+        """Learn the transitions that the belief has gained, or what they may have been; return whether any was."""
+        belief, model = self.belief, self.prey_model
+        self.observed = transitions[-1] if transitions else None
+        if isinstance(belief, MovingBelief) and isinstance(model, ExpectingModel):
+            if belief.expected is not None:
+                model.expect(*belief.expected)
+            return belief.expected is not None
+        for transition in transitions:
+            model.observe(transition)
+        return bool(transitions)
 
 
 def _pose(value: Any, name: str, *, heading: bool = True) -> Pose:

@@ -19,6 +19,7 @@ from bayeshunt.core.geometry import Polar
 from bayeshunt.core.messages import Moment, Run
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.core.streams import spawn_streams
+from bayeshunt.episodes.knowledge import NOTHING, Knowledge, camera_of
 from bayeshunt.episodes.perceiver import Perceiver
 from bayeshunt.episodes.trial import Trial
 from bayeshunt.models.target.registry import make_prey_model
@@ -55,7 +56,7 @@ class Pursuit:
     [rad, clockwise], -2 pi to 2 pi. seed: of the noise, the prey and the planner; any whole number >= 0. With the same
     four, the same gaits give what :func:`bayeshunt.hunt` gives, to the last bit.
     prey_model: what is known of the prey beforehand (it is copied). foresight: seconds of the prey's true future that
-    a situation holds; 0: none.
+    a situation holds; 0: none. known: what the tracker may know of the prey and of walls from the first look on.
 
     gaits: the hunter's repertoire. rng: what a planner draws from. moments: what the last step did, one at the end of
     each control interval. prey_model, observed: see :class:`~bayeshunt.episodes.perceiver.Perceiver`.
@@ -66,6 +67,7 @@ class Pursuit:
     def __init__(
         self, experiment: str | os.PathLike[str] | ExperimentSettings, arena: str = "walled", theta: float = 1.0,
         seed: int = 0, *, prey_model: TargetModel | None = None, foresight: float = 0.0,
+        known: Knowledge = NOTHING,
     ) -> None:  # fmt: skip
         settings = load_experiment(experiment)
         _check(settings, arena, theta, seed, prey_model)
@@ -76,16 +78,19 @@ class Pursuit:
         self.rng, self._sensor_rng, self._foresight = streams["planner"], streams["sensor"], foresight
         sensing = settings.sensing
         context = PerceptionContext(
-            self.gaits.duration, self.gaits.body_length, settings.prey.body.diameter, self.trial.start, HUNTER, PREY
-        )
+            self.gaits.duration, self.gaits.body_length, settings.prey.body.diameter, self.trial.start, HUNTER, PREY,
+            sensing.camera, sensing.start, known.motion, known.walls,
+        )  # fmt: skip
         self._sensor = make_sensor(sensing.sensor, context, sensing.sensor_settings)
         tracker = make_tracker(sensing.tracker, context, sensing.tracker_settings)
-        known = (
+        model = (
             make_prey_model(settings.prey.model, _prey_axes(settings, self.gaits))
             if prey_model is None
             else prey_model.copy()
         )
-        self._perceiver = Perceiver(self.gaits, tracker, known, self.trial.task, rng=streams["belief"])
+        self._perceiver = Perceiver(
+            self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=camera_of(sensing)
+        )
         self._run = Run((self.trial.moment,))
         self._situation: Situation | None = None
         self._changes = 0

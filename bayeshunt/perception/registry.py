@@ -8,6 +8,7 @@ from typing import Any
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import Sensor, Tracker
+from bayeshunt.perception.sensors.camera import Camera
 from bayeshunt.perception.sensors.exact import ExactSensor
 from bayeshunt.perception.setting import PerceptionContext
 from bayeshunt.perception.trackers.exact import ExactTracker
@@ -20,8 +21,21 @@ __all__ = [
 #: Makes a sensor or a tracker from a context and settings given by name.
 Factory = Callable[..., Any]
 
-_SENSORS: dict[str, Factory] = {"exact": ExactSensor}
-_TRACKERS: dict[str, Factory] = {"exact": ExactTracker}
+
+def _particles(context: PerceptionContext, **settings: Any) -> Tracker:
+    from bayeshunt.perception.trackers.particles import ParticleTracker  # brings models, and pandas
+
+    return ParticleTracker(context, **settings)
+
+
+def _kalman(context: PerceptionContext, **settings: Any) -> Tracker:
+    from bayeshunt.perception.trackers.kalman import KalmanTracker  # brings pykalman
+
+    return KalmanTracker(context, **settings)
+
+
+_SENSORS: dict[str, Factory] = {"exact": ExactSensor, "camera": Camera}
+_TRACKERS: dict[str, Factory] = {"exact": ExactTracker, "particles": _particles, "kalman": _kalman}
 _SHIPPED = {"sensor": frozenset(_SENSORS), "tracker": frozenset(_TRACKERS)}
 
 

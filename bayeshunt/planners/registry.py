@@ -28,6 +28,7 @@ from bayeshunt.planners.paper.reactive import ReactivePlanner
 from bayeshunt.planners.sequences.frugal import Frugal
 from bayeshunt.planners.sequences.memory import Memory, OrderMemory, PlaceMemory
 from bayeshunt.planners.settings import settings_fields
+from bayeshunt.planners.uncertainty.search import SearchPlanner
 
 __all__ = [
     "Factory",
@@ -243,7 +244,7 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
 _KINDS: tuple[type[Any], ...] = (
     ReactivePlanner, PredictionPlanner, PlanningPlanner, PurePursuit, ProportionalNavigation, ConstantVelocity,
     Omniscient, KinematicLimit, Frugal, Reference, Memory, PlaceMemory, OrderMemory, InterceptPlanner,
-    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner,
+    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner, SearchPlanner,
 )  # fmt: skip
 for _kind in _KINDS:
     register_planner(_kind.name, _kind, settings=_kind.Settings or (), info=_kind.info)

@@ -23,6 +23,7 @@ from bayeshunt.data.transitions import validate_transitions
 from bayeshunt.files.records import RecordKind
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, check_given, default_axes
+from bayeshunt.models.target.expected import PART, count_parts, expected_cells, plain_count
 from bayeshunt.models.target.speed_table import BACKOFF, cell_codes
 
 if TYPE_CHECKING:
@@ -51,9 +52,9 @@ class PreyModel:
             check_kind(axes, "axes", EffectAxes, "EffectAxes, for example EffectAxes.standard(body_length)")
         self.axes = axes if axes is not None else EffectAxes.standard(BODY_LENGTH)
         self.conditions = conditions
-        self._counts: dict[tuple[int, int, int], int] = {}
+        self._counts: dict[tuple[int, int, int], int] = {}  # 2**-10
         self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
-        self._observations = 0
+        self._observations = 0  # 2**-10
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -67,16 +68,24 @@ class PreyModel:
         except (TypeError, ValueError):
             raise InputError(f"prey transition: expected a Polar of three numbers, got {transition!r}") from None
         if not (0.0 <= distance < math.inf and math.isfinite(angle) and math.isfinite(heading)):
-            raise InputError(
-                f"prey transition ({distance}, {angle}, {heading}): expected distance >= 0 and finite angles"
-            )
+            raise InputError(f"prey transition ({distance}, {angle}, {heading}): expected distance >= 0, finite angles")
         if not (-FULL_TURN <= angle <= FULL_TURN and -FULL_TURN <= heading <= FULL_TURN):
             check_radians(angle, "prey transition: angle")
             check_radians(heading, "prey transition: heading")
         axes = self.axes
         if not distance < MAX_DISTANCE_BINS * axes.distance.width:
             raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")
-        self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), 1)
+        self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), PART)
+
+    def expect(self, transitions: Polar[FloatArray], weights: FloatArray) -> None:
+        """Count one transition of which only probabilities are known: expected counts, the cells' shares of one.
+
+        transitions: what it may have been, Polar of arrays [N], in the prey's own previous frame. weights: their
+        probabilities [N], >= 0, any positive sum. Shares are rounded to 1/1024, the least ones to nothing; they
+        sum to 1, and the order of calls changes no bit. Raises InputError for what is not finite or negative.
+        """
+        for cell, parts in expected_cells(self.axes, transitions, weights):
+            self._add(cell, parts)
 
     @classmethod
     def fit(
@@ -108,7 +117,7 @@ class PreyModel:
         """Count a table of transitions too, in place, and return this model: the order and the split change no bit."""
         validate_transitions(transitions, conditioned=self.conditions is not None)
         for cell, count in binned(transitions, self.axes):
-            self._add(cell, count)
+            self._add(cell, count * PART)
         if self.conditions is not None:
             self.conditions.update(transitions)
         return self
@@ -148,14 +157,14 @@ class PreyModel:
         cells, counts = self._table()
         known = cells @ np.array([self.axes.angle.bins * self.axes.heading.bins, self.axes.heading.bins, 1])
         at = np.searchsorted(known, codes).clip(max=len(known) - 1)
-        seen = np.where(known[at] == codes, counts[at] / self._observations, 0.0)
+        seen = np.where(known[at] == codes, counts[at] / self.observations, 0.0)
         if self.conditions is not None and self.conditions.speed is not None:
             before = transitions["speed"].to_numpy(dtype=float) * self.conditions.time_step
             told = np.isfinite(before)
             seen[told] = self.conditions.speed.probabilities(before[told], codes[told])
         far = max(int(cells[:, 0].max()) + 1, self.axes.distance.bins)
         spread = 1.0 / (far * self.axes.angle.bins * self.axes.heading.bins)
-        return float(np.log((seen * self._observations + spread) / (self._observations + 1.0)).sum())
+        return float(np.log((seen * self.observations + spread) / (self.observations + 1.0)).sum())
 
     @checked
     def merge(self, other: PreyModel) -> PreyModel:
@@ -182,8 +191,8 @@ class PreyModel:
 
     @property
     def observations(self) -> int:
-        """Number of transitions seen."""
-        return self._observations
+        """Number of transitions seen, expected ones too."""
+        return self._observations // PART
 
     @property
     def is_empty(self) -> bool:
@@ -209,7 +218,7 @@ class PreyModel:
         cells, counts = self._table()
         low, high = statistics.credible_interval(counts[:, None]) if len(counts) else (np.zeros((0, 1)),) * 2
         columns = {
-            "probability": counts / max(self._observations, 1),
+            "probability": counts / max(self.observations, 1),
             "count": counts,
             "low": low[:, 0],
             "high": high[:, 0],
@@ -244,6 +253,8 @@ class PreyModel:
         self._check_seen()
         cells, counts = self._table()
         reach = np.cumsum(counts)
+        if counts.dtype.kind == "f":  # expected counts: draw among their whole parts
+            reach = np.round(reach * PART).astype(np.int64)
         drawn = np.searchsorted(reach, rng.integers(0, reach[-1], size=(n, steps)), side="right")
         turns, strides = self._centres(cells)
         headings = np.zeros((n, steps + 1))
@@ -256,7 +267,7 @@ class PreyModel:
         """Return [distance m, angle rad, heading rad (cell centres), count] of every cell seen, in table order."""
         axes = self.axes
         return [
-            [(d + 0.5) * axes.distance.width, float(axes.angle.centres[a]), float(axes.heading.centres[h]), float(n)]
+            [(d + 0.5) * axes.distance.width, float(axes.angle.centres[a]), float(axes.heading.centres[h]), n / PART]
             for (d, a, h), n in sorted(self._counts.items())
         ]
 
@@ -280,13 +291,13 @@ class PreyModel:
         return model
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain numbers for JSON: bins and [distance, angle, heading, count] rows in order."""
+        """Return plain numbers for JSON: bins and [distance, angle, heading, count] rows in order, counts in 1/1024."""
         return {
             "distance_width": self.axes.distance.width,
             "distance_bins": self.axes.distance.bins,
             "angle_bins": self.axes.angle.bins,
             "heading_bins": self.axes.heading.bins,
-            "counts": [[*cell, self._counts[cell]] for cell in sorted(self._counts)],
+            "counts": [[*cell, plain_count(self._counts[cell])] for cell in sorted(self._counts)],
         }
 
     @classmethod
@@ -326,23 +337,21 @@ class PreyModel:
     # --- inside -------------------------------------------------------------------------------
 
     def _add(self, cell: tuple[int, int, int], count: int) -> None:
+        """Count ``count`` parts of 2**-10."""
         self._counts[cell] = self._counts.get(cell, 0) + count
         self._observations += count
         distance = (cell[0] + 0.5) * self.axes.distance.width
         angle = self.axes.angle.centres[cell[1]]
         heading = self.axes.heading.centres[cell[2]]
-        parts = (
-            distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading)
-        )  # fmt: skip
+        parts = (distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading))
         one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._sums, parts, strict=True))
         self._sums = (one, two, three, four)
 
-    def _add_checked(self, cell: tuple[int, int, int], count: int) -> None:
+    def _add_checked(self, cell: tuple[int, int, int], count: float) -> None:
         limits = (MAX_DISTANCE_BINS, self.axes.angle.bins, self.axes.heading.bins)
-        whole = all(isinstance(v, int) and not isinstance(v, bool) for v in (*cell, count))
-        if not whole or count < 1 or not all(0 <= v < top for v, top in zip(cell, limits, strict=True)):
+        if not all(type(v) is int and 0 <= v < top for v, top in zip(cell, limits, strict=True)):
             raise ValueError(f"count row {[*cell, count]}")
-        self._add(cell, count)
+        self._add(cell, count_parts(count))
 
     def _check_seen(self) -> None:
         if not self._observations:
@@ -372,9 +381,10 @@ class PreyModel:
         return distances, angles, headings
 
     def _table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Cells seen, int64 [K, 3], sorted, and their counts [K]."""
+        """Cells seen, int64 [K, 3], sorted, and their counts [K]: int64, or float64 where some are not whole."""
         cells = sorted(self._counts)
-        counts = np.array([self._counts[cell] for cell in cells], dtype=np.int64)
+        parts = np.array([self._counts[cell] for cell in cells], dtype=np.int64)
+        counts = parts / PART if (parts % PART).any() else parts // PART
         return np.array(cells, dtype=np.int64).reshape(-1, 3), counts
 
     def _centres(self, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

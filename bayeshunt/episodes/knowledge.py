@@ -1,0 +1,43 @@
+"""What a planner has learned that a belief may rest on as well: how prey move, and where walls are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from bayeshunt.config.schema.camera import CameraSettings
+from bayeshunt.config.schema.sensing import SensingSettings
+from bayeshunt.perception.setting import KnownWalls
+from bayeshunt.planners.api import Planner
+from bayeshunt.planners.asking import Timed
+
+if TYPE_CHECKING:
+    from bayeshunt.models.target.turns import TurnModel
+
+__all__ = ["NOTHING", "Knowledge", "camera_of", "known_to"]
+
+
+class Knowledge(NamedTuple):
+    """How the prey moves as far as the hunter can know before it has seen it, and the walls it knows; None: nothing."""
+
+    motion: TurnModel | None = None
+    walls: KnownWalls | None = None
+
+
+NOTHING = Knowledge()
+
+
+def known_to(planner: Planner) -> Knowledge:
+    """Return what a planner knows: of those that intercept, what they take a prey to do, and the walls of the arena."""
+    from bayeshunt.planners.interception.bouncing import Walls
+    from bayeshunt.planners.interception.intercept import InterceptPlanner  # brings models, and pandas
+
+    planner = planner.planner if isinstance(planner, Timed) else planner
+    if not isinstance(planner, InterceptPlanner):
+        return NOTHING
+    walls = getattr(planner, "walls", None)  # of those that know a room
+    return Knowledge(planner.prior, walls if isinstance(walls, Walls) else None)
+
+
+def camera_of(sensing: SensingSettings) -> CameraSettings | None:
+    """Return the camera of what is perceived with one; None with another sensor."""
+    return sensing.camera if sensing.sensor == "camera" else None
