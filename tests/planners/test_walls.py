@@ -15,7 +15,7 @@ from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.conformance import check_planner
-from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
 from bayeshunt.planners.interception.intercept import intercept
 from bayeshunt.planners.interception.intercept_room import intercept_room
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, intercept_walls
@@ -95,6 +95,33 @@ def test_no_wall_ahead_no_room_futures():
     assert room_futures(Polar(0.3, 0.0, math.pi), Pose(0, 0, 0), one, 0.05, 0.1, STEP) is None
 
 
+def test_a_prey_that_keeps_its_heading_slides_to_the_corner():
+    hunter, prey = Pose(0.1, -0.1, 0.7), Pose(0.0, 0.0, 0.3)
+    future = sliding_future(hunter.relative(prey), hunter, SQUARE, 0.05)
+    hit = 0.5 / math.cos(0.3) / 0.05
+    up = 0.5 * math.tan(0.3)
+    corner = hit + (0.5 - up) / (0.05 * math.sin(0.3))
+    forward, right = (a[0] for a in future.at(np.array([0.0, hit, hit + 5.0, corner, corner + 20.0])))
+    places = [(0.0, 0.0), (0.5, up), (0.5, up + 0.05 * math.sin(0.3) * 5.0), (0.5, 0.5), (0.5, 0.5)]
+    seen = [hunter.relative(Pose(*place, 0.0)) for place in places]
+    assert forward.tolist() == pytest.approx([float(p.forward) for p in seen])
+    assert right.tolist() == pytest.approx([float(p.right) for p in seen])
+    head_on = sliding_future(Polar(0.2, 0.0, 0.0), Pose(0.0, 0.0, 0.0), SQUARE, 0.05)
+    assert head_on.at(np.array([6.0, 60.0]))[0][0].tolist() == pytest.approx([0.5, 0.5])  # stands at the wall
+
+
+@pytest.mark.parametrize(("slant", "rebound", "kept"), [(0.3, 0.5, 0.04), (-0.8, 1.1, 0.0), (0.0, 0.2, 0.1)])
+def test_how_a_prey_left_a_wall_is_read_back(slant, rebound, kept):
+    """A made-up prey that turns at once, so far from the wall and at such an angle."""
+    before, run = Pose(0.3, 0.0, slant), 0.4
+    first = (0.2 - kept) / math.cos(slant)
+    side = 1.0 if slant >= 0 else -1.0
+    theta = side * (0.5 * math.pi + rebound)
+    corner = (0.5 - kept, first * math.sin(slant))
+    after = Pose(corner[0] + (run - first) * math.cos(theta), corner[1] + (run - first) * math.sin(theta), theta)
+    assert SQUARE.left(0, before, after, run) == pytest.approx((rebound, kept), abs=1e-9)
+
+
 # --- the planner that knows its walls --------------------------------------------------------------
 
 
@@ -123,6 +150,48 @@ def test_a_wall_brings_the_prey_back(model):
     known = intercept_walls(model, room=room()).plan(case, rng=np.random.default_rng(0))
     unknown = intercept(model, hazard=0.0).plan(case, rng=np.random.default_rng(0))
     assert known.value < unknown.value - 2.0
+
+
+def sliding(steps):
+    """A prey that has met the wall ahead at 0.57 m head-on, kept its heading and stands there."""
+    poses = [Pose(0.2 + 0.16 * i, 0.1, 0.0) for i in range(3)] + [Pose(0.57, 0.1, 0.0)] * steps
+    return [Polar(*(float(p) for p in a.relative(b))) for a, b in itertools.pairwise(poses)], poses[-1]
+
+
+def test_what_the_prey_does_at_walls_is_counted(model):
+    planner = intercept_walls(model, room=room())
+    poses = [Pose(0.04 + 0.16 * i, 0.1, 0.0) for i in range(3)] + [Pose(0.47, 0.1, 1.9), Pose(0.42, 0.25, 1.9)]
+    seen = [Polar(*(float(p) for p in a.relative(b))) for a, b in itertools.pairwise(poses)]
+    habits = planner.at_walls(hunt_situation(Pose(0.0, 0.0, 0.0), poses[-1], seen))
+    assert (len(habits.rebounds), habits.kept, habits.strays) == (0, 0, 0)  # 0.36 + 0.16 m is too close to call
+    poses[1:] = [Pose(0.2, 0.1, 0.0), Pose(0.4, 0.1, 0.0), Pose(0.47, 0.18, 1.9), Pose(0.4, 0.37, 1.9)]
+    seen = [Polar(*(float(p) for p in a.relative(b))) for a, b in itertools.pairwise(poses)]
+    habits = planner.at_walls(hunt_situation(Pose(0.0, 0.0, 0.0), poses[-1], seen))
+    assert habits.rebounds == pytest.approx((1.9 - 0.5 * math.pi,))
+    assert habits.kept == 0
+    assert habits.table().loc["turns at a wall", "seen"] == 1
+
+
+def test_a_prey_that_slides_is_believed_to_slide(model):
+    planner, hunter = intercept_walls(model, room=room()), Pose(0.0, 0.0, 0.0)
+    before = planner.at_walls(hunt_situation(hunter, Pose(0.2, 0.1, 0.0)))
+    assert before.keeping == pytest.approx(0.2)
+    seen, last = sliding(2)
+    case = hunt_situation(hunter, last, seen)
+    habits = planner.at_walls(case)
+    assert habits.kept == 3  # two legs at the wall, and its present place
+    futures = planner.futures(case)
+    likeliest = futures.likeliest(np.array([20.0]))
+    assert (likeliest.forward[-1], likeliest.right[-1]) == pytest.approx((0.57, -0.1), abs=1e-3)
+
+
+def test_a_prey_that_turns_where_there_is_no_wall_is_believed_to_turn_by_chance(model):
+    planner, hunter = intercept_walls(model, room=room(1.5)), Pose(0.0, 0.0, 0.0)
+    seen = [Polar(0.16, 0.0, 0.0), Polar(0.12, 0.3, 1.0), Polar(0.16, 0.0, 0.0)]
+    case = hunt_situation(hunter, Pose(0.3, 0.1, 0.2), seen)
+    assert planner.at_walls(case).hazard == pytest.approx(1 / (3 + 2))
+    straight = hunt_situation(hunter, Pose(0.3, 0.1, 0.2), [Polar(0.16, 0.0, 0.0)] * 3)
+    assert len(planner.futures(case).weights) > 10 > len(planner.futures(straight).weights)
 
 
 def test_walls_planner_says_what_it_lacks(model):

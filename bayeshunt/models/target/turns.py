@@ -19,7 +19,7 @@ import pandas as pd
 from bayeshunt.core.arguments import check_fields
 from bayeshunt.core.checks import check_kind, check_numbers, check_polar
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, wrap
+from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.models.body.forward import ForwardModel
 
 
@@ -89,6 +89,17 @@ def in_legs(transitions: Sequence[Polar], steps: int) -> tuple[Polar, ...]:
         leg = joined(part)
         legs.append(leg._replace(distance=leg.distance * steps / len(part)))
     return tuple(legs)
+
+
+def earlier_poses(pose: Pose, transitions: Sequence[Polar]) -> list[Pose]:
+    """Return the poses before each of ``transitions``, oldest first, of what is now at ``pose``."""
+    poses = []
+    for distance, angle, heading in reversed(transitions):
+        theta = pose.theta + heading
+        bearing = theta - angle
+        pose = Pose(pose.x - distance * math.cos(bearing), pose.y - distance * math.sin(bearing), theta)
+        poses.append(pose)
+    return poses[::-1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Where a prey goes among known walls: straight on, and along the wall that it meets.
+"""Where a prey goes among known walls: straight on, and away from the wall that it meets, or along it.
 
 Everything is computed in the hunter's starting frame (x ahead, y to the left, counter-clockwise)
 and returned in its present one. Letters: W walls, K futures, B legs.
@@ -14,7 +14,7 @@ import numpy as np
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.planners.interception.futures import Futures
 
-__all__ = ["LEGS", "Walls", "room_futures"]
+__all__ = ["LEGS", "Walls", "room_futures", "sliding_future"]
 
 #: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
 LEGS = 9
@@ -49,6 +49,23 @@ class Walls(NamedTuple):
         nx, ny = self.normals[wall]
         return math.atan2(nx * math.sin(theta) - ny * math.cos(theta), nx * math.cos(theta) + ny * math.sin(theta))
 
+    def beyond(self, wall: int, pose: Pose) -> float:
+        """Return how far beyond ``wall`` a pose is [m], negative inside."""
+        nx, ny = self.normals[wall]
+        return nx * pose.x + ny * pose.y - self.offsets[wall]
+
+    def left(self, wall: int, before: Pose, after: Pose, run: float) -> tuple[float, float]:
+        """Return the angle to ``wall`` [rad] at which a prey left it, and how far from it [m] it turned.
+
+        That is where a prey which goes ``run`` metres from ``before``, and turns at once, would have turned to be as
+        far from the wall as ``after`` is: the time that a turn takes counts as distance kept from the wall.
+        """
+        rebound = 0.5 * math.pi - abs(self.slant(wall, after.theta + math.pi))
+        steep = max(math.cos(self.slant(wall, before.theta)), 0.1)
+        rest = run + self.beyond(wall, before) / steep  # left of the run at the wall itself
+        kept = (-self.beyond(wall, after) - rest * math.sin(rebound)) / (1.0 + math.sin(rebound) / steep)
+        return rebound, min(max(kept, 0.0), run)
+
     def leave(self, wall: int, side: float) -> float:
         """Return the heading [rad] with which a prey leaves ``wall`` to a side: +1 left of the normal, -1 right."""
         nx, ny = self.normals[wall]
@@ -79,19 +96,52 @@ def room_futures(
     if other >= _NEGLIGIBLE and speed > 0:
         paths.append(_path(at, walls, speed, -side, legs))
         weights = [1.0 - other, other]
+    apart = speed > 0 and steps < 1.0
+    groups = np.arange(1, len(weights) + 1) if apart else np.zeros(len(weights), dtype=int)
+    return _seen(paths, pose, speed, np.array(weights), groups)
+
+
+def sliding_future(prey: Polar, pose: Pose, walls: Walls, speed: float) -> Futures:
+    """Return the path of a prey that keeps its heading at the wall ahead: along it, and to a stop at the next.
+
+    ``speed``: metres per second, > 0; along the wall it keeps the part of it that the wall does not take. ``walls``:
+    where its centre is stopped; one of them lies ahead.
+    """
+    x, y, theta = (float(part) for part in pose.compose(prey))
+    wall, gap = walls.meet(Pose(x, y, theta))
+    slant, (nx, ny) = walls.slant(wall, theta), walls.normals[wall]
+    along, share = math.atan2(ny, nx) + math.copysign(0.5 * math.pi, slant), abs(math.sin(slant))
+    met = (x + gap * math.cos(theta), y + gap * math.sin(theta))
+    _, rest = walls.meet(Pose(*met, along))
+    ends = speed * share > 1e-12 and rest < math.inf
+    corner = (met[0] + rest * math.cos(along), met[1] + rest * math.sin(along)) if ends else met
+    begin = gap / speed
+    legs = [
+        (0.0, x, y, theta),
+        (begin, *met, along),
+        (begin + rest / (speed * share) if ends else math.inf, *corner, theta),
+    ]
+    return _seen([legs], pose, speed, np.ones(1), np.zeros(1, dtype=int), np.array([[1.0, share, 0.0]]))
+
+
+def _seen(
+    paths: list[list[tuple[float, float, float, float]]], pose: Pose, speed: float, weights: np.ndarray,
+    groups: np.ndarray, pace: np.ndarray | None = None,
+) -> Futures:  # fmt: skip
+    """Return paths of (start [s], x, y [m], theta [rad]) of each leg as futures in the present frame of ``pose``."""
     starts, x, y, theta = np.moveaxis(np.array(paths), -1, 0)  # [K, B] each
     dx, dy = x - pose.x, y - pose.y
     cos, sin = math.cos(pose.theta), math.sin(pose.theta)
-    apart = speed > 0 and steps < 1.0
     return Futures(
-        weights=np.array(weights),
+        weights=weights,
         starts=starts,
         forward=cos * dx + sin * dy,
         right=sin * dx - cos * dy,
         heading=pose.theta - theta,
         speed=np.full(len(weights), speed),
-        groups=np.arange(1, len(weights) + 1) if apart else np.zeros(len(weights), dtype=int),
+        groups=groups,
         foreseen=True,
+        pace=pace,
     )
 
 

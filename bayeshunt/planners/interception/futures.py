@@ -26,6 +26,7 @@ class Futures:
     speed: metres per second [K].
     groups: int [K], 0..M-1; futures of one group cannot be told apart at the next decision. Group 0 is those in
         which the prey has not turned by then.
+    pace: share of the speed at which each leg is gone [K, B]; None: 1.
     foreseen: whether the hunter can know of a leg before it begins (a wall that it knows of).
     """
 
@@ -37,6 +38,11 @@ class Futures:
     speed: np.ndarray
     groups: np.ndarray
     foreseen: bool = False
+    pace: np.ndarray | None = None
+
+    def leg_speed(self, leg: int) -> np.ndarray:
+        """Return the speed on a leg, metres per second [K]."""
+        return self.speed if self.pace is None else self.speed * self.pace[:, leg]
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the positions (forward, right) [m] at ``times`` [s, J]: arrays [K, J]."""
@@ -44,8 +50,17 @@ class Futures:
         begin, x, y, heading = (
             np.take_along_axis(a, leg, axis=1) for a in (self.starts, self.forward, self.right, self.heading)
         )
-        run = self.speed[:, None] * (times - begin)
+        speed = (
+            self.speed[:, None] if self.pace is None else self.speed[:, None] * np.take_along_axis(self.pace, leg, 1)
+        )
+        run = speed * (times - begin)
         return x + run * np.cos(heading), y + run * np.sin(heading)
+
+    def only(self, chosen: np.ndarray) -> Futures:
+        """Return some of these futures, bool [K]; their weights no longer sum to 1."""
+        pace = None if self.pace is None else self.pace[chosen]
+        names = ("weights", "starts", "forward", "right", "heading", "speed", "groups")
+        return replace(self, pace=pace, **{name: getattr(self, name)[chosen] for name in names})
 
     def standing_still(self) -> Futures:
         """Return these futures for a prey that does not move."""
@@ -94,7 +109,8 @@ def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int)
 def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
     """Return one set of futures from several, each with its probability (any positive scale).
 
-    No leg is foreseen. Futures that do not turn before the next decision cannot be told apart by it.
+    Legs are foreseen if those of all parts are. Futures that do not turn before the next decision cannot be told
+    apart by it.
     """
     legs = max(futures.starts.shape[1] for _, futures in parts)
     weights = np.concatenate([chance * futures.weights for chance, futures in parts])
@@ -106,7 +122,12 @@ def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
     quiet = np.concatenate([futures.groups == 0 for _, futures in parts])
     groups = np.where(quiet, 0, np.cumsum(~quiet))
     speed = np.concatenate([futures.speed for _, futures in parts])
-    return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups)
+    pace = None
+    if any(futures.pace is not None for _, futures in parts):
+        own = (np.ones(f.starts.shape) if f.pace is None else f.pace for _, f in parts)
+        pace = np.concatenate([_padded(one, legs, 1.0) for one in own])
+    foreseen = all(futures.foreseen for chance, futures in parts if chance > 0)
+    return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups, foreseen, pace)
 
 
 def _padded(array: np.ndarray, legs: int, fill: float) -> np.ndarray:

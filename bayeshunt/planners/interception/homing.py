@@ -48,28 +48,37 @@ class Homing:
         for leg, over in _legs(futures):
             ahead, right = _position(futures, leg, start)
             wait = futures.starts[:, leg] - start
-            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.speed)
+            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.leg_speed(leg))
             cost = np.maximum(time, wait) + self._turning(to_x, to_y, heading)
             # The gap to what the hunter can reach only shrinks, so the first leg with a meeting is the one.
             best = np.where(np.isinf(best) & (time <= over - start), cost, best)
         return best
 
     def _surprised(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        x, y, heading = end
-        clock = np.full(np.broadcast_shapes(x.shape, futures.weights.shape), start)
-        price, met = np.zeros(clock.shape), np.zeros(clock.shape, dtype=bool)
+        shape = np.broadcast_shapes(end[0].shape, futures.weights.shape)
+        x, y, heading = (np.broadcast_to(part, shape) for part in end)
+        clock, price, met = np.full(shape, start), np.zeros(shape), np.zeros(shape, dtype=bool)
+        count = futures.starts.shape[1]
         for leg, over in _legs(futures):
-            ahead, right = _position(futures, leg, clock)
-            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.speed)
-            chasing = ~met & (over > clock)
-            run = np.where(chasing, np.minimum(time, over - clock), 0.0)
-            price = price + np.where(chasing, self._turning(to_x, to_y, heading), 0.0)
-            met = met | (chasing & (clock + time <= over))
-            if leg + 1 < futures.starts.shape[1]:
-                way = np.where(chasing, np.arctan2(to_y, to_x), heading)
-                x, y = x + self.top_speed * run * np.cos(way), y + self.top_speed * run * np.sin(way)
-                heading = way
-            clock = clock + run
+            # Most paths have fewer legs than the longest: only those that have this one are followed.
+            some = np.isfinite(futures.starts[:, leg])
+            one = futures if some.all() else futures.only(some)
+            columns = slice(None) if some.all() else some
+            now, px, py, facing, done = (a[..., columns] for a in (clock, x, y, heading, met))
+            until = over[columns]
+            ahead, right = _position(one, leg, now)
+            time, to_x, to_y = self._meet(ahead - px, right - py, one.heading[:, leg], one.leg_speed(leg))
+            chasing = ~done & (until > now)
+            run = np.where(chasing, np.minimum(time, until - now), 0.0)
+            price[..., columns] += np.where(chasing, self._turning(to_x, to_y, facing), 0.0)
+            met[..., columns] = done | (chasing & (now + time <= until))
+            if leg + 1 < count:
+                way = np.where(chasing, np.arctan2(to_y, to_x), facing)
+                x, y, heading = (np.array(a) for a in (x, y, heading)) if leg == 0 else (x, y, heading)
+                x[..., columns] = px + self.top_speed * run * np.cos(way)
+                y[..., columns] = py + self.top_speed * run * np.sin(way)
+                heading[..., columns] = way
+            clock[..., columns] = now + run
         return clock - start + price
 
     def _meet(
@@ -102,6 +111,6 @@ def _legs(futures: Futures) -> Iterator[tuple[int, np.ndarray]]:
 def _position(futures: Futures, leg: int, time: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """Return where the leg's line is at ``time`` [s from now]; a leg that never begins is at its start."""
     begin = futures.starts[:, leg]
-    run = futures.speed * (time - np.where(np.isfinite(begin), begin, time))
+    run = futures.leg_speed(leg) * (time - np.where(np.isfinite(begin), begin, time))
     heading = futures.heading[:, leg]
     return futures.forward[:, leg] + run * np.cos(heading), futures.right[:, leg] + run * np.sin(heading)

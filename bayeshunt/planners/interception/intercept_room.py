@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import Pose
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.target.turns import TurnModel, in_legs
+from bayeshunt.models.target.turns import TurnModel, earlier_poses, in_legs
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
@@ -114,9 +113,10 @@ class InterceptRoomPlanner(InterceptPlanner):
         chosen = self.settings
         logs = np.full(len(self.sizes) + 1, math.log(1.0 - chosen.room_chance))
         logs[:-1] = math.log(chosen.room_chance / len(self.sizes))
+        assert situation.pose is not None
         seen = self.prior
         legs = in_legs(situation.transitions, self.steps)
-        poses = _earlier_poses(situation, legs)
+        poses = earlier_poses(situation.pose.compose(situation.prey), legs)
         for pose, transition in zip(poses, legs, strict=True):
             chance = np.append(self._turn_chance(pose, known.speed), seen.hazard)
             turned = abs(transition.heading) >= seen.threshold
@@ -133,19 +133,6 @@ class InterceptRoomPlanner(InterceptPlanner):
         gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
         error = self.settings.error
         return error + (1.0 - 2.0 * error) / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
-
-
-def _earlier_poses(situation: Situation, transitions: Sequence[Polar]) -> Sequence[Pose]:
-    """Return the prey's poses before each transition, oldest first, in the hunter's starting frame."""
-    assert situation.pose is not None
-    pose = situation.pose.compose(situation.prey)
-    poses = []
-    for distance, angle, heading in reversed(transitions):
-        theta = pose.theta + heading
-        bearing = theta - angle
-        pose = Pose(pose.x - distance * math.cos(bearing), pose.y - distance * math.sin(bearing), theta)
-        poses.append(pose)
-    return poses[::-1]
 
 
 #: The planner by the name that it is registered under.

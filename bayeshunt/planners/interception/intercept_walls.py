@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from typing import Any
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.at_walls import AtWalls
+from bayeshunt.models.target.turns import earlier_poses, in_legs
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
-from bayeshunt.planners.interception.bouncing import Walls, room_futures
-from bayeshunt.planners.interception.futures import Futures
+from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
+from bayeshunt.planners.interception.futures import Futures, mix
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
 __all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
+
+#: What is less probable than this is left out of a decision.
+_NEGLIGIBLE = 0.05
+#: A leg of the prey met a wall if it ends this many body lengths beyond it, and none if it ends so far before.
+_WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 
 
 @planner_settings("intercept_walls")
@@ -29,10 +37,10 @@ class RoomSettings(InterceptSettings):
         le=1,
     )
     clearance: Number = setting(
-        0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped", ge=0
+        0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped, until seen", ge=0
     )
     rebound: Number = setting(
-        0.5, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
+        0.5, "angle between a wall and the prey that has turned away from it, radians, until seen", ge=0, le=1.5
     )
     room: File[RoomModel | str | os.PathLike[str] | None] = setting(
         None,
@@ -49,6 +57,10 @@ class InterceptWallsPlanner(InterceptPlanner):
     up (:class:`~bayeshunt.models.arena.rooms.RoomModel`), nothing of any prey. In an arena without walls it
     finds none, and then it is the interception hunter with little fear of turns. It needs to know where
     it is: ``situation.pose``.
+
+    What a prey does at a wall is counted within the hunt (:meth:`at_walls`): whether it turns away, at which
+    distance and angle, or keeps its heading and slides along; and whether it turns where there is no wall, in which
+    case its futures are also those of a prey that turns by chance. Settings are what is believed before that.
     """
 
     name = "intercept_walls"
@@ -65,23 +77,60 @@ class InterceptWallsPlanner(InterceptPlanner):
                 'or a file made by "bayeshunt explore --out FILE"'
             )
         self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
-        keep = chosen.clearance * model.gaits.need("body_length")
-        self.walls = Walls(
-            tuple((float(x), float(y)) for x, y in self.room.normals),
-            tuple(float(offset) - keep for offset in self.room.offsets),
-            chosen.rebound,
-        )
+        body = model.gaits.need("body_length")
+        normals = tuple((float(x), float(y)) for x, y in self.room.normals)
+        #: Where a body of the hunter's size is stopped.
+        self.walls = Walls(normals, tuple(map(float, self.room.offsets)), 0.0)
+        self.habits = AtWalls(chosen.rebound, chosen.clearance * body)
+        self.body = body
 
     def futures(self, situation: Situation) -> Futures:
-        """Return the prey's paths among the walls."""
+        """Return the prey's paths among the walls, weighted by what it has done at walls so far."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        known = self.prey(situation)
+        free = super().futures
         if not (self.settings.prior or situation.transitions):
-            return super().futures(situation)
+            return free(situation)
+        known, habits = self.prey(situation), self.at_walls(situation)
         speed = known.speed / self.leg
-        found = room_futures(situation.prey, situation.pose, self.walls, speed, known.drift, self.leg)
-        return super().futures(situation) if found is None else found
+        turned = room_futures(situation.prey, situation.pose, self._kept(habits), speed, known.drift, self.leg)
+        if turned is None:
+            return free(situation)
+        stray = 1.0 - (1.0 - habits.hazard) ** self.settings.turn_steps
+        slides = (1.0 - stray) * habits.keeping
+        parts = [(1.0 - stray - slides, turned)]
+        if stray > _NEGLIGIBLE:
+            parts.append((stray, free(situation)))
+        if slides > _NEGLIGIBLE and speed > 0:
+            parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
+        return mix(parts) if len(parts) > 1 else turned
+
+    def at_walls(self, situation: Situation) -> AtWalls:
+        """Return what the prey has done at walls, and away from them, in this hunt; its ``table()`` opens it."""
+        if situation.pose is None:
+            raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
+        now = situation.pose.compose(situation.prey)
+        legs = in_legs(situation.transitions, self.steps)
+        poses = [*earlier_poses(now, legs), now]
+        habits, walls = self.habits, self._kept(self.habits)
+        run = self.prey(situation).speed
+        for leg, (before, after) in zip(legs, itertools.pairwise(poses), strict=True):
+            wall, gap = walls.meet(before)
+            turned = abs(leg.heading) >= self.settings.turn_threshold
+            if gap + _WELL_WITHIN * self.body < run:
+                habits = habits.met(self.walls.left(wall, before, after, run) if turned else None)
+            elif gap > run + _WELL_CLEAR * self.body:
+                habits = habits.clear(turned)
+        wall, _ = self.walls.meet(now)
+        # It is on its way into a wall, and nearer than a prey that turns away would come.
+        if wall >= 0 and -self.walls.beyond(wall, now) < 0.5 * self.habits.clearance:
+            habits = habits.met(None)
+        return habits
+
+    def _kept(self, habits: AtWalls) -> Walls:
+        """Return the walls as a prey that turns away from them keeps clear of them."""
+        offsets = tuple(offset - habits.keeping_clear for offset in self.walls.offsets)
+        return Walls(self.walls.normals, offsets, habits.leaving)
 
 
 #: The planner by the name that it is registered under.
