@@ -35,6 +35,14 @@ def hunt(
     arena: Annotated[str, typer.Option(help="Arena of the settings, e.g. walled, open.")] = "open",
     theta: Annotated[float, typer.Option(help="First bearing of the prey [rad, clockwise].")] = 1.0,
     seed: Seed = 0,
+    prey: Annotated[
+        str | None,
+        typer.Option(help="What the prey does: a behaviour, or a recorded one, recorded:tracks.parquet#ID."),
+    ] = None,
+    prey_model: Annotated[
+        str | None,
+        typer.Option(help="What the hunter learns of it: counts, constant_velocity, or a file of prey fit."),
+    ] = None,
     model: Model = None,
     preset: Preset = None,
     config: Config = None,
@@ -46,7 +54,8 @@ def hunt(
 ) -> None:
     """Run one hunt and show every decision.
 
-    Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html
+    Example:  bayeshunt hunt --planner planning --arena open --theta 1 --seed 0 --replay hunt.html;
+    bayeshunt hunt --preset follow --planner prediction --prey "recorded:tracks.parquet#17" --prey-model prey.json
     """
     from bayeshunt.core.checks import check_radians
     from bayeshunt.episodes.loop import hunt as run
@@ -55,6 +64,7 @@ def hunt(
     from bayeshunt.views.terminal import terminal
 
     check_radians(theta, "--theta")  # before anything is babbled
+    overrides = [*_of_the_prey(prey, prey_model), *(overrides or ())]
     settings = read_experiment(preset, config, overrides, model)
     check_names(settings, [planner], [arena], hunting=True)
     forward = load_or_learn(model, settings, babbling_seed, quiet=as_json)
@@ -89,6 +99,18 @@ def hunt(
         terminal.say(f"{out}: {len(episode.frame)} decisions; next: {following}")
     if replay is not None:
         terminal.say(f"{replay}: open it in a browser to play the hunt")
+
+
+def _of_the_prey(prey: str | None, model: str | None) -> list[str]:
+    """What --prey and --prey-model set; a hunt of a recorded prey ends with its track."""
+    changes = [] if model is None else [f"prey.model={model}"]
+    if prey is None:
+        return changes
+    from bayeshunt.worlds.prey.names import is_recorded
+    from bayeshunt.worlds.recorded.path import path_of
+
+    ends = [f"protocol.time_limit={path_of(prey).duration}"] if is_recorded(prey) else []
+    return [*changes, f"prey.behaviour={prey}", *ends]
 
 
 def _write_replay(episode: Any, path: Path, forward: Any, model: Path | None, babbling_seed: int) -> None:

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Seed, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, tell
 from bayeshunt.cli.outputs import out_figure, out_file
 from bayeshunt.core.errors import InputError
 
@@ -121,6 +121,75 @@ def score(
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
     scores_table(table, unit)
+
+
+@prey.command("follow", short_help="Follow recorded walkers: catch them, keep them company.")
+def follow_prey(
+    folder: Annotated[Path, typer.Argument(help="Folder of tracks, a file a scene.", show_default=False)],
+    rate: Annotated[float | None, typer.Option(help="Rows (frames) per second of files that do not say.")] = None,
+    unit: Annotated[str | None, typer.Option(help="Unit of x and y in them: m, cm, mm.")] = None,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="File whose walkers are followed; may be repeated. Default: all.")
+    ] = None,
+    walkers: Annotated[int, typer.Option(min=1, help="Walkers followed, in all.")] = 200,
+    model: Annotated[
+        list[str] | None, typer.Option(help="counts (the paper's), constant_velocity, conditioned. Default: all.")
+    ] = None,
+    planner: Annotated[str, typer.Option(help="Planner that follows, the same for all.")] = "planning",
+    band: Annotated[str, typer.Option(help="Distances that are company, NEAR,FAR [m].")] = "0.5,2.5",
+    seed: Seed = 0,
+    out: Annotated[Path | None, out_file("Write every hunt as CSV.", "tables of hunts", ".csv")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Follow people: a hunter of a person's size and pace after recorded walkers, one prey model after the other.
+
+    Models are compared in pairs, on the same walkers; conditioned is learned from the other scenes of the folder.
+
+    Example:  bayeshunt prey follow recordings --rate 2.5 --unit m --scene zara01.txt --walkers 50
+    """
+    from bayeshunt.experiments.studies import following
+    from bayeshunt.files.atomic import write_text
+    from bayeshunt.views.terminal import terminal
+    from bayeshunt.views.terminal.scores import following_table
+
+    ends = _band(band)
+    chosen = list(model or following.MODELS)
+    people = _scenes(folder, rate, unit)
+    with terminal.progress_bar("following", walkers * len(chosen), quiet=quiet or as_json) as advance:
+        hunts = following.follow(
+            people, scene, walkers, planner=planner, models=chosen, seed=seed, band=ends, progress=advance
+        )
+    if out is not None:
+        write_text(out, hunts.to_csv(index=False))
+    table = following.summary(hunts)
+    if as_json:
+        typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
+        return
+    following_table(table, ends)
+
+
+def _band(text: str) -> tuple[float, float]:
+    try:
+        near, far = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--band {text}: expected NEAR,FAR, two distances in metres") from None
+    return near, far
+
+
+def _scenes(folder: Path, rate: float | None, unit: str | None) -> Any:
+    """Every table of tracks in a folder, a scene a file."""
+    import pandas as pd
+
+    from bayeshunt.data import tracks
+
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; give one with recordings of people, a file a scene")
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() in (".txt", ".csv", ".parquet"))
+    if not files:
+        raise InputError(f"{folder}: holds no .txt, .csv or .parquet file of tracks")
+    parts = [tracks.load(path) if path.suffix == ".parquet" else tracks.read_tracks(path, rate, unit) for path in files]
+    return pd.concat([part.assign(scene=path.name) for part, path in zip(parts, files, strict=True)], ignore_index=True)
 
 
 def _tracks(files: list[Path]) -> Any:

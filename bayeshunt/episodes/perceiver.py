@@ -19,6 +19,7 @@ from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.messages import Detection, Frame, Observation
 from bayeshunt.core.protocols import Belief, ExpectingModel, MovingBelief, TargetModel, Tracker
 from bayeshunt.core.task import Task
+from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Situation
 
 __all__ = ["Perceiver"]
@@ -39,6 +40,7 @@ class Perceiver:
         self, gaits: GaitRepertoire, tracker: Tracker, prey_model: TargetModel, task: Task, *,
         rng: np.random.Generator, camera: CameraSettings | None = None,
     ) -> None:  # fmt: skip
+        _check_time_step(prey_model, gaits)
         self.gaits, self.task, self.prey_model, self.camera = gaits, task, prey_model, camera
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
@@ -136,6 +138,18 @@ class Perceiver:
         for transition in transitions:
             model.observe(transition)
         return bool(transitions)
+
+
+def _check_time_step(prey_model: TargetModel, gaits: GaitRepertoire) -> None:
+    """Raise InputError for a prey model of recorded transitions that last longer or shorter than a gait."""
+    conditions = prey_model.conditions if isinstance(prey_model, PreyModel) else None
+    if conditions is None or gaits.duration is None:
+        return
+    if not math.isclose(conditions.time_step, gaits.duration, rel_tol=0.02):
+        raise InputError(
+            f"the prey model is of transitions of {conditions.time_step:g} s, a gait lasts {gaits.duration:g} s; fit "
+            f"one: bayeshunt prey fit --time-step {gaits.duration:g}"
+        )
 
 
 def _pose(value: Any, name: str, *, heading: bool = True) -> Pose:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import World
+from bayeshunt.worlds.prey.names import is_recorded
 from bayeshunt.worlds.scene import Scene
 
 __all__ = ["BOX2D", "WorldFactory", "make_world", "register_world", "registered_worlds", "world_names"]
@@ -18,7 +19,12 @@ BOX2D = "box2d"
 
 
 def _box2d(scene: Scene) -> World:
-    from bayeshunt.worlds.box2d.world import Box2DWorld  # only when asked for: another engine needs no Box2D
+    # only when asked for: another engine needs no Box2D
+    if scene.prey is not None and is_recorded(scene.prey.behaviour):
+        from bayeshunt.worlds.recorded.world import RecordedWorld
+
+        return RecordedWorld(scene)
+    from bayeshunt.worlds.box2d.world import Box2DWorld
 
     return Box2DWorld(scene)
 

@@ -7,9 +7,9 @@ from bayeshunt.config.loading import preset_names
 
 
 def test_what_ships():
-    assert preset_names() == ["legs", "oses2010", "paper"]
+    assert preset_names() == ["follow", "legs", "oses2010", "paper"]
     robots = {bh.load_experiment(name).robot.name for name in preset_names()}
-    assert robots == {"khepera", "khepera_oses2010", "hexapod_mixed"}
+    assert robots == {"follower", "khepera", "khepera_oses2010", "hexapod_mixed"}
 
 
 def test_the_prey_of_legs_is_a_sixth_slower_than_its_hunter_and_as_large():

@@ -13,8 +13,14 @@ __all__ = ["PreySettings"]
 class PreySettings(Settings):
     """A prey: a differential-drive disc and the behaviour that steers it."""
 
-    behaviour: str = Field("braitenberg", description="braitenberg, straight, random_walk, evader or a registered one")
-    model: str = Field("counts", min_length=1, description="what the hunter learns of it: counts or a registered model")
+    behaviour: str = Field(
+        "braitenberg", description="braitenberg, straight, random_walk, evader, recorded:FILE#ID or a registered one"
+    )
+    model: str = Field(
+        "counts",
+        min_length=1,
+        description="what the hunter learns of it: counts, constant_velocity, a file of prey fit or a registered model",
+    )
     senses_hunter: bool = Field(False, description="whether its proximity sensors see the hunter")
     speed: NonNegative = Field(0.048, description="free speed [m/s]")
     sensor_range: Positive = Field(0.05, description="proximity sensor range [m]")

@@ -26,6 +26,8 @@ from bayeshunt.perception.registry import (
 from bayeshunt.planners.registry import adopt_planner, registered_planners
 from bayeshunt.worlds.bodies import BodyEntry, register_body, registered_bodies
 from bayeshunt.worlds.prey.behaviours import check_behaviour, register_prey, registered_prey
+from bayeshunt.worlds.prey.names import is_recorded
+from bayeshunt.worlds.recorded.path import path_of
 from bayeshunt.worlds.registry import check_world_name, register_world, registered_worlds
 
 _REGISTER = (
@@ -113,7 +115,10 @@ def used_additions(
 
 def check_names(settings: ExperimentSettings) -> None:
     """Raise InputError if the settings name a prey, prey model, world, sensor or tracker that nobody knows."""
-    check_behaviour(settings.prey.behaviour)
+    if is_recorded(settings.prey.behaviour):
+        path_of(settings.prey.behaviour)
+    else:
+        check_behaviour(settings.prey.behaviour)
     check_prey_model_name(settings.prey.model)
     check_world_name(settings.world)
     check_sensing(settings.sensing.sensor, settings.sensing.tracker)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
-import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,13 +16,14 @@ from bayeshunt.core import displays, statistics
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import FULL_TURN, check_generator, check_kind, check_numbers, check_radians, check_whole
-from bayeshunt.core.errors import InputError, ModelFileError, NothingObservedError, shown
+from bayeshunt.core.errors import InputError, NothingObservedError, shown
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.data.transitions import validate_transitions
-from bayeshunt.files.records import RecordKind
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.conditions import Conditions, ahead_of, binned, check_given, default_axes
-from bayeshunt.models.target.expected import PART, count_parts, expected_cells, plain_count
+from bayeshunt.models.target.expected import PART, expected_cells
+from bayeshunt.models.target.following import MOST_FOLLOWED, foreseen_path, mean_transition
+from bayeshunt.models.target.prey_file import PREY_FILES, StoredPrey
 from bayeshunt.models.target.speed_table import BACKOFF, cell_codes
 
 if TYPE_CHECKING:
@@ -33,14 +33,12 @@ __all__ = ["BODY_LENGTH", "PREY_FILES", "PreyModel"]
 
 #: Body length [m] of the default distance bins: a Khepera.
 BODY_LENGTH = 0.057
-#: Files of prey models: format 2 has room for conditions.
-PREY_FILES = RecordKind("bayeshunt prey model", "bayeshunt prey fit tracks.parquet", versions=(1, 2))
 _EFFECT_COLUMNS = ("distance", "angle", "heading")
 #: Sums are whole numbers of 2**-60, so that the order of observations cannot change a bit.
 _UNIT = 1 << 60
 
 
-class PreyModel:
+class PreyModel(StoredPrey):
     """Joint counts of (Distance, Angle, Heading) transitions; mutable: :meth:`observe` adds one.
 
     axes: bins; the distance grid is open-ended. Default ``EffectAxes.standard(0.057)``.
@@ -55,6 +53,7 @@ class PreyModel:
         self._counts: dict[tuple[int, int, int], int] = {}  # 2**-10
         self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
         self._observations = 0  # 2**-10
+        self._followed: tuple[Polar, ...] = ()  # what the present prey did, for a model with conditions
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -76,6 +75,8 @@ class PreyModel:
         if not distance < MAX_DISTANCE_BINS * axes.distance.width:
             raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")
         self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), PART)
+        if self.conditions is not None:
+            self._followed = (*self._followed, Polar(distance, angle, heading))[-MOST_FOLLOWED:]
 
     def expect(self, transitions: Polar[FloatArray], weights: FloatArray) -> None:
         """Count one transition of which only probabilities are known: expected counts, the cells' shares of one.
@@ -86,6 +87,8 @@ class PreyModel:
         """
         for cell, parts in expected_cells(self.axes, transitions, weights):
             self._add(cell, parts)
+        if self.conditions is not None:
+            self._followed = (*self._followed, mean_transition(transitions, weights))[-MOST_FOLLOWED:]
 
     @classmethod
     def fit(
@@ -119,6 +122,7 @@ class PreyModel:
         for cell, count in binned(transitions, self.axes):
             self._add(cell, count * PART)
         if self.conditions is not None:
+            self.conditions = self.conditions.copy()  # a copy of this model may look at the same
             self.conditions.update(transitions)
         return self
 
@@ -175,6 +179,7 @@ class PreyModel:
         if merged.conditions is not None or other.conditions is not None:
             if merged.conditions is None or other.conditions is None:
                 raise InputError("cannot join a prey model with conditions and one without")
+            merged.conditions = merged.conditions.copy()
             merged.conditions.merge(other.conditions)
         for cell, count in other._counts.items():
             merged._add(cell, count)
@@ -184,7 +189,7 @@ class PreyModel:
         """Return an independent model with the same counts."""
         twin = PreyModel(self.axes)
         twin._counts, twin._sums, twin._observations = dict(self._counts), self._sums, self._observations
-        twin.conditions = None if self.conditions is None else self.conditions.copy()
+        twin.conditions, twin._followed = self.conditions, self._followed
         return twin
 
     # --- tables -------------------------------------------------------------------------------
@@ -231,14 +236,18 @@ class PreyModel:
         """Return the expected pose ``steps`` ahead, in the prey's present frame: Polar of floats.
 
         The mean transition (mean forward and right displacement and circular mean heading of the
-        cells' centres) composed with itself ``steps`` times.
+        cells' centres) composed with itself ``steps`` times. A model with conditions that has observed the present
+        prey foresees it from what it did: the median of its futures, see ``models.target.following``.
 
         Raises NothingObservedError before the first observation, InputError unless steps >= 0.
         """
-        return Polar(*(part[-1] for part in self._iterate(steps)))
+        return Polar(*(float(part[-1]) for part in self.predict_path(steps)))
 
     def predict_path(self, steps: int) -> Polar[FloatArray]:
         """Return the expected poses 0 to ``steps`` ahead: Polar of arrays [steps + 1]; as :meth:`predict`."""
+        if self.conditions is not None and self._followed:
+            check_whole(steps, "steps", 0)
+            return foreseen_path(self.conditions, self._followed, steps)
         return Polar(*(np.array(part) for part in self._iterate(steps)))
 
     def sample_paths(self, steps: int, n: int, *, rng: np.random.Generator) -> Polar[FloatArray]:
@@ -271,53 +280,6 @@ class PreyModel:
             for (d, a, h), n in sorted(self._counts.items())
         ]
 
-    # --- storing ------------------------------------------------------------------------------
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as checksummed JSON: bins, counts and conditions; the file is replaced atomically."""
-        extra = {} if self.conditions is None else {"conditions": self.conditions.to_dict()}
-        PREY_FILES.save({**self.to_dict(), **extra}, path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> PreyModel:
-        """Read a model written by :meth:`save`; raises ModelFileError in one clear line."""
-        _, content = PREY_FILES.load(path)
-        try:
-            model = cls.from_dict(content)
-            stored = content.get("conditions")
-            model.conditions = None if stored is None else Conditions.from_dict(stored, model.axes)
-        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
-            raise ModelFileError(f"{os.fspath(path)}: malformed content ({str(error).splitlines()[0]})") from None
-        return model
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain numbers for JSON: bins and [distance, angle, heading, count] rows in order, counts in 1/1024."""
-        return {
-            "distance_width": self.axes.distance.width,
-            "distance_bins": self.axes.distance.bins,
-            "angle_bins": self.axes.angle.bins,
-            "heading_bins": self.axes.heading.bins,
-            "counts": [[*cell, plain_count(self._counts[cell])] for cell in sorted(self._counts)],
-        }
-
-    @classmethod
-    @checked
-    def from_dict(cls, record: dict[str, Any]) -> PreyModel:
-        """Rebuild a model from :meth:`to_dict`; raises InputError if the record is not one."""
-        try:
-            axes = EffectAxes.standard(
-                float(record["distance_width"]),
-                distance_bin=1.0,
-                angle_bins=int(record["angle_bins"]),
-                heading_bins=int(record["heading_bins"]),
-            ).extended(int(record["distance_bins"]))
-            model = cls(axes)
-            for distance, angle, heading, count in record["counts"]:
-                model._add_checked((distance, angle, heading), count)
-        except (KeyError, TypeError, ValueError, ZeroDivisionError) as error:
-            raise InputError(f"not a stored prey model: {error}") from None
-        return model
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PreyModel):
             return NotImplemented
@@ -346,12 +308,6 @@ class PreyModel:
         parts = (distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading))
         one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._sums, parts, strict=True))
         self._sums = (one, two, three, four)
-
-    def _add_checked(self, cell: tuple[int, int, int], count: float) -> None:
-        limits = (MAX_DISTANCE_BINS, self.axes.angle.bins, self.axes.heading.bins)
-        if not all(type(v) is int and 0 <= v < top for v, top in zip(cell, limits, strict=True)):
-            raise ValueError(f"count row {[*cell, count]}")
-        self._add(cell, count_parts(count))
 
     def _check_seen(self) -> None:
         if not self._observations:

@@ -1,13 +1,19 @@
-"""What a hunter learns of its prey, by name: ``prey.model`` in an experiment's settings."""
+"""What a hunter learns of its prey, by name: ``prey.model`` in an experiment's settings.
+
+A name that ends in .json is a file of ``bayeshunt prey fit``: what is known of such prey beforehand.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
+from pathlib import Path
 
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import TargetModel
+from bayeshunt.models.target.following import ConstantVelocity
 from bayeshunt.models.target.prey import PreyModel
 
 __all__ = [
@@ -20,7 +26,7 @@ Factory = Callable[[EffectAxes], TargetModel]
 #: The model that ships: how often each pose transition was seen.
 COUNTS = "counts"
 
-_MODELS: dict[str, Factory] = {COUNTS: PreyModel}
+_MODELS: dict[str, Factory] = {COUNTS: PreyModel, "constant_velocity": ConstantVelocity}
 _SHIPPED = frozenset(_MODELS)
 
 
@@ -52,8 +58,13 @@ def prey_model_names() -> list[str]:
 
 
 def make_prey_model(name: str, axes: EffectAxes) -> TargetModel:
-    """Return a model that knows nothing yet; InputError for an unknown name, or if what was made is none."""
+    """Return a model of this prey that knows nothing yet, or a file's.
+
+    Raises InputError for an unknown name, or if what was made is none; ModelFileError for a file that cannot be read.
+    """
     check_prey_model_name(name)
+    if _is_file(name):
+        return _loaded(name, Path(name).stat().st_mtime_ns).copy()
     model = _MODELS[name](axes)
     if not is_prey_model(model):
         raise InputError(f"prey model {name!r}: {shown(model)} is no bayeshunt.protocols.TargetModel")
@@ -66,6 +77,18 @@ def is_prey_model(thing: object) -> bool:
 
 
 def check_prey_model_name(name: str) -> None:
-    """Raise InputError if no prey model is called ``name``."""
-    if name not in _MODELS:
+    """Raise InputError if no prey model is called ``name``, ModelFileError if a file cannot be read."""
+    if _is_file(name):
+        _loaded(name, Path(name).stat().st_mtime_ns if Path(name).exists() else 0)
+    elif name not in _MODELS:
         raise InputError(f"prey.model: unknown prey model {name!r}{did_you_mean(name, prey_model_names())}")
+
+
+def _is_file(name: str) -> bool:
+    return name.lower().endswith(".json")
+
+
+@lru_cache(maxsize=8)
+def _loaded(name: str, changed: int) -> PreyModel:
+    """The model in a file that was last ``changed`` then."""
+    return PreyModel.load(name)

@@ -7,7 +7,39 @@ import pandas as pd
 from bayeshunt.views.terminal.terminal import out
 from bayeshunt.views.terminal.text_tables import TextTable, folding
 
-__all__ = ["forward_table", "scores_table"]
+__all__ = ["following_table", "forward_table", "scores_table"]
+
+
+def following_table(summary: pd.DataFrame, band: tuple[float, float]) -> None:
+    """Print the summary of ``follow``, a row a prey model. band: distances [m] that are company."""
+    number = int(summary["n"].max())
+    table = TextTable(
+        folding("model", 18), "caught", "95 % Wilson", "time s", f"{band[0]:g}-{band[1]:g} m",
+        title=f"{number} recorded walkers followed",
+    )  # fmt: skip
+    for row in summary.to_dict("records"):
+        table.row(
+            str(row["model"]), f"{row['caught']}/{row['n']}", f"{row['share_low']:.1%} to {row['share_high']:.1%}",
+            f"{row['mean_time']:.2f}", f"{row['company']:.1%}",
+        )  # fmt: skip
+    table.print(out)
+    out.print(
+        "Time: of the catch, the end of the walker's track if missed. Last column: share of the track at these "
+        "distances.", style="dim",
+    )  # fmt: skip
+    if "time_differs" not in summary:
+        return
+    apart = TextTable(
+        folding("less constant velocity", 22), "caught", "time s", "company", title="Differences, paired over walkers"
+    )
+    for row in summary[summary["model"] != "constant_velocity"].to_dict("records"):
+        cells = (
+            f"{row[f'{name}_differs']:+.2f} [{row[f'{name}_low']:+.2f}, {row[f'{name}_high']:+.2f}]"
+            for name in ("caught", "time", "company")
+        )
+        apart.row(str(row["model"]), *cells)
+    apart.print(out)
+    out.print("Shares of walkers, seconds, shares of time; 95 % bootstrap intervals over walkers.", style="dim")
 
 
 def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:

@@ -140,9 +140,8 @@ class Box2DWorld:
         if source is None:
             raise InputError(f"the scene has no prey, so there is no body {name!r}")
         settings = source.body
-        body: Drive = body_factory(settings.drive)(
-            Parts(name, self.world, settings, source.noise, self.physics, self.unit, rng)
-        )
+        parts = Parts(name, self.world, settings, source.noise, self.physics, self.unit, rng)
+        body = self._make(parts, settings.drive)
         self.bodies[name] = body
         self._drives = tuple(self.bodies.values())
         self._moves = tuple(drive.advance for drive in self._drives)
@@ -150,6 +149,11 @@ class Box2DWorld:
         self._live = [(drive.position, drive.angle) for drive in self._drives]
         self._hunter = list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
         return body
+
+    def _make(self, parts: Parts, drive: str) -> Drive:
+        """A body of a kind by name."""
+        made: Drive = body_factory(drive)(parts)
+        return made
 
     def _body(self, name: str) -> Drive:
         if name not in self.bodies:
