@@ -24,7 +24,7 @@ from bayeshunt.cli.options import (
     read_experiment,
     say_chosen,
 )
-from bayeshunt.cli.outputs import out_file
+from bayeshunt.cli.outputs import Video, out_file, write_film
 
 
 @app.command(short_help="Run one hunt and show every decision.")
@@ -50,6 +50,7 @@ def hunt(
     babbling_seed: Annotated[int, typer.Option(help="Seed of any babbling that comes first.")] = 0,
     out: Annotated[Path | None, out_file("Write the episode as Parquet.", "episodes", ".parquet")] = None,
     replay: Annotated[Path | None, out_file("Write a page (HTML) that plays the hunt.", "pages", ".html")] = None,
+    video: Video = None,
     as_json: Json = False,
 ) -> None:
     """Run one hunt and show every decision.
@@ -77,6 +78,7 @@ def hunt(
         episode.save(out)
     if replay is not None:
         _write_replay(episode, replay, forward, model, babbling_seed)
+    filmed = None if video is None else write_film(episode, video)
     if as_json:
         facts = {
             "experiment": settings.name,
@@ -86,7 +88,7 @@ def hunt(
             "gaits": episode.frame["gait"].tolist(),
             **{name: episode.provenance[name] for name in ("energy", "changes", "falls") if episode.spent},
         }
-        files = {"out": out, "replay": replay}
+        files = {"out": out, "replay": replay, **({"video": video} if video else {})}
         typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
         return
     if settings.scaled:
@@ -99,6 +101,8 @@ def hunt(
         terminal.say(f"{out}: {len(episode.frame)} decisions; next: {following}")
     if replay is not None:
         terminal.say(f"{replay}: open it in a browser to play the hunt")
+    if filmed is not None:
+        terminal.say(filmed)
 
 
 def _of_the_prey(prey: str | None, model: str | None) -> list[str]:

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -47,6 +47,32 @@ def _checked_figure(context: typer.Context, path: Path | None) -> Path | None:
         if path.suffix.lower() not in (".png", ".svg"):
             raise InputError(f"{path}: expected a file name that ends in .png or .svg")
     return path
+
+
+def out_film(help_text: str) -> Any:
+    """Return an option that names a film to write: its ending says of which kind, and is needed."""
+    return typer.Option(help=help_text, callback=_checked_film)
+
+
+def _checked_film(context: typer.Context, path: Path | None) -> Path | None:
+    if path is not None and not context.resilient_parsing:
+        _check_file(path)
+        if path.suffix.lower() not in (".gif", ".mp4"):
+            raise InputError(f"{path}: expected a file name that ends in .gif or .mp4")
+    return path
+
+
+Video = Annotated[
+    Path | None, out_film("Also write a film of the (first) hunt: .gif, or .mp4 where ffmpeg is installed.")
+]
+
+
+def write_film(episode: Any, path: Path) -> str:
+    """Write the film of an episode; return a line that says so."""
+    from bayeshunt.views.figures.film import film
+
+    film(episode, path)
+    return f"{path}: {path.stat().st_size / 1e6:.1f} MB, four times as fast as it was"
 
 
 def out_folder(help_text: str) -> Any:

@@ -9,21 +9,27 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Model, Quiet, settings_of, tell
-from bayeshunt.cli.outputs import out_file
+from bayeshunt.cli.outputs import Video, out_file, write_film
 
 
-@app.command(short_help="Write a page that plays a recorded hunt.")
+@app.command(short_help="Write a page that plays recorded hunts.")
 def replay(
-    episode: Annotated[Path, typer.Argument(help="Episode made by bayeshunt hunt --out.", show_default=False)],
+    episodes: Annotated[
+        list[Path],
+        typer.Argument(help="Episodes made by bayeshunt hunt --out; more than one play in step.", show_default=False),
+    ],
     out: Annotated[Path, out_file("Page (HTML) to write.", "pages", ".html")],
     model: Annotated[
-        Path | None, typer.Option(help="Its model: draws where reactive and prediction expect their gait to lead.")
+        Path | None,
+        typer.Option(help="Their model: draws where gaits were expected to lead, and how sure posteriors are."),
     ] = None,
+    video: Video = None,
     as_json: Json = False,
 ) -> None:
-    """Write a page that plays a recorded hunt, offline, in any browser.
+    """Write a page that plays recorded hunts with all that was considered, offline, in any browser.
 
-    Example:  bayeshunt replay hunt.parquet --out hunt.html
+    Example:  bayeshunt replay hunt.parquet --out hunt.html;
+    bayeshunt replay planning.parquet reactive.parquet --out both.html
     """
     from bayeshunt.episodes.episode import Episode
     from bayeshunt.experiments.store.export import another_model
@@ -33,17 +39,23 @@ def replay(
     from bayeshunt.views.terminal import terminal
 
     forward = None if model is None else open_model(model)
-    hunt = Episode.load(episode)
-    difference = None if forward is None else another_model(hunt.provenance.get("model"), forward, "the hunt was")
-    warnings = [] if difference is None else [difference]
-    write_replay(hunt, out, model=forward, source=model_option(model))
+    hunts = [Episode.load(episode) for episode in episodes]
+    models = [] if forward is None else [hunt.provenance.get("model") for hunt in hunts]
+    found = [another_model(made, forward, "the hunt was") for made in models]  # type: ignore[arg-type]
+    warnings = list(dict.fromkeys(difference for difference in found if difference is not None))
+    write_replay(hunts, out, model=forward, source=model_option(model))
     for warning in warnings:
         terminal.say(f"warning: {warning}")
-    tell(
-        {"out": str(out), "bytes": out.stat().st_size, "warnings": warnings},
-        as_json,
-        f"{out}: open it in a browser to play the hunt",
-    )
+    words = f"{out}: open it in a browser to play {'the hunt' if len(hunts) == 1 else f'{len(hunts)} hunts in step'}"
+    if video is not None:
+        words += f"\n{write_film(hunts[0], video)}"
+    facts = {
+        "out": str(out),
+        "bytes": out.stat().st_size,
+        **({"video": str(video)} if video else {}),
+        "warnings": warnings,
+    }
+    tell(facts, as_json, words)
 
 
 @app.command(short_help="Write a page about an evaluation, with hunts to play.")

@@ -46,6 +46,7 @@ class Episode:
         Lists: ``predicted_*`` and ``planned_*`` are the prey and the hunter 0..T steps ahead as the
         hunter sees them (a heading is NaN where only the place is predicted);
         ``alternative_values`` the least value under each of ``alternative_gaits``;
+        ``considered_*`` every node of ``plan.trace``: gait, parent, value, forward, right, heading, chosen;
         ``prey_table`` the prey's [distance, angle, heading, count] per cell seen. Of a body that measures what it
         spends also ``energy`` [J] and ``falls``, up to the decision.
     trail: both robots' world poses every control interval.

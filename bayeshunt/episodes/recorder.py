@@ -11,6 +11,7 @@ import pandas as pd
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.core.messages import Moment
 from bayeshunt.core.statistics import entropy
+from bayeshunt.episodes.considered import considered
 from bayeshunt.planners.api import Plan, Situation
 
 __all__ = ["Step"]
@@ -63,6 +64,7 @@ class Step(NamedTuple):
             **_path("planned", _planned_path(plan)),
             **_alternatives(plan),
             "prey_table": [list(map(float, row)) for row in learned.cells()],
+            **considered(plan),
             "energy": float(spent[0]),
             "falls": int(spent[1]),
         }

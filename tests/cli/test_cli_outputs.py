@@ -21,7 +21,7 @@ NEEDED = {
 }  # fmt: skip
 FILES = [("babble", "out"), ("fit", "out"), ("fit", "xmlbif"), ("assess", "out"), ("hunt", "out"), ("hunt", "replay"),
          ("replay", "out"), ("report", "out"), ("export", "xmlbif"), ("reference", "out"), ("remember", "out"),
-         ("explore", "out")]  # fmt: skip
+         ("explore", "out"), ("export", "page"), ("hunt", "video"), ("replay", "video")]  # fmt: skip
 FOLDERS = [("evaluate", "out"), ("figures", "out"), ("sweep", "out"), ("tradeoff", "out"), ("export", "out"),
            ("reference", "cache")]  # fmt: skip
 #: A folder in which nobody can make a file, the administrator neither.
@@ -83,6 +83,7 @@ ENDINGS = [
     ("replay", "out", "pages are HTML", ".html", ".parquet"),
     ("report", "out", "pages are HTML", ".html", ".PNG"),
     ("export", "xmlbif", "networks are XMLBIF", ".xmlbif", ".bif"),
+    ("export", "page", "pages are HTML", ".html", ".json"),
     ("reference", "out", "such tables are NPZ", ".npz", ".json"),
     ("remember", "out", "memories are JSON", ".json", ".npz"),
     ("explore", "out", "rooms are JSON", ".json", ".txt"),
@@ -90,7 +91,11 @@ ENDINGS = [
 
 
 def test_the_list_of_endings_names_every_file():
-    assert {(command, option) for command, option, *_ in ENDINGS} == {*FILES} - {("assess", "out")}
+    assert {(command, option) for command, option, *_ in ENDINGS} == {*FILES} - {
+        ("assess", "out"),
+        ("hunt", "video"),
+        ("replay", "video"),
+    }
 
 
 @pytest.mark.parametrize(("command", "option", "said", "right", "wrong"), ENDINGS)
@@ -98,6 +103,12 @@ def test_an_ending_of_another_kind_of_file_is_refused(refused, command, option, 
     err = refused(command, option, f"new{wrong}")
     assert err.startswith(f"bayeshunt: new{wrong}: {said}, not ")
     assert err.endswith(f"; name it new{right}\n")
+
+
+@pytest.mark.parametrize("command", ["hunt", "replay"])
+def test_a_film_needs_its_ending(refused, command):
+    said = "bayeshunt: hunt.avi: expected a file name that ends in .gif or .mp4\n"
+    assert refused(command, "video", "hunt.avi") == said
 
 
 @pytest.mark.parametrize("ending", ["", ".json", ".txt"])

@@ -11,6 +11,7 @@ import pytest
 
 from bayeshunt.views import theme
 from bayeshunt.views.pages.page import asset
+from bayeshunt.views.pages.replay import SCRIPTS
 
 TEXT, MARKS = 4.5, 3.0
 
@@ -84,11 +85,11 @@ def apart(one: str, two: str) -> float:
 def test_one_palette_serves_displays_pages_and_the_explorer() -> None:
     """No sheet names a colour of its own, and every colour that one uses is in the palette."""
     known = set(re.findall(r"--bh-([\w-]+):", theme.palette(".x")))
-    for name in ("page.css", "player.css", "report.css", "explorer.css"):
+    for name in ("page.css", "player.css", "report.css", "explorer.css", "network.css"):
         sheet = asset(name)
         assert not re.search(r"#[0-9a-f]{3,6}\b", sheet, re.I), name
         assert set(re.findall(r"var\(--bh-([\w-]+)\)", sheet)) <= known, name
-    drawn = set(re.findall(r'ink\("([\w-]+)"\)', asset("player.js")))
+    drawn = set(re.findall(r'ink\("([\w-]+)"\)', "".join(map(asset, SCRIPTS))))
     assert drawn <= known
 
 

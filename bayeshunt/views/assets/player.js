@@ -22,28 +22,24 @@ function fillFacts(list, pairs) {
   }));
 }
 
-/* Points of the arc that leaves `from` [x, y, theta] along its heading and ends at `to`. */
-function arcPoints(from, to) {
-  const dx = to[0] - from[0], dy = to[1] - from[1];
-  const chord = Math.hypot(dx, dy), bend = wrap(Math.atan2(dy, dx) - from[2]);
-  if (chord < 1e-6 || Math.abs(bend) < 1e-3 || Math.abs(bend) > 1.9) return [to];
-  const radius = chord / (2 * Math.sin(bend));
-  return Array.from({ length: 12 }, (_, i) => {
-    const heading = from[2] + (2 * bend * (i + 1)) / 12;
-    return [
-      from[0] + radius * (Math.sin(heading) - Math.sin(from[2])),
-      from[1] - radius * (Math.cos(heading) - Math.cos(from[2])),
-    ];
-  });
-}
-
 class Player {
-  /* root: the markup of player.html.j2; keys: where keyboard shortcuts are heard. */
-  constructor(root, keys) {
+  /* root: the markup of player.html.j2; keys: where keyboard shortcuts are heard, null where another player leads;
+     followers: players of other hunts that go in step with this one. */
+  constructor(root, keys, followers = []) {
     this.parts = Object.fromEntries([...root.querySelectorAll("[data-part]")].map((node) => [node.dataset.part, node]));
     this.root = root;
     this.hunt = null;
     this.playing = false;
+    this.followers = followers;
+    this.decided = () => {}; // told the number of each decision that is shown
+    this.path = [];
+    const parts = this.parts;
+    this.lanes = new Lanes(parts.lanes, (time) => (this.leader || this).scrubTo(time));
+    this.icicle = new Icicle({ box: parts["icicle-box"], picture: parts.icicle, readout: parts["icicle-words"] }, (path) => {
+      this.path = path;
+      this.draw();
+    });
+    for (const follower of followers) follower.leader = this;
     this.listen(keys);
   }
 
@@ -54,9 +50,9 @@ class Player {
     next.addEventListener("click", () => this.step(1));
     scrub.addEventListener("input", () => this.seek(this.hunt.trail.time[Number(scrub.value)], true));
     speed.addEventListener("change", () => this.say(`speed ${speed.value} times`));
-    for (const part of [follow, this.parts["show-plan"], this.parts["show-predicted"]])
-      part.addEventListener("change", () => this.draw());
-    keys.addEventListener("keydown", (event) => this.key(event));
+    for (const part of [follow, this.parts["show-plan"], this.parts["show-predicted"], this.parts["show-considered"]])
+      part.addEventListener("change", () => [this, ...this.followers].forEach((player) => player.draw()));
+    if (keys) keys.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
   }
@@ -76,7 +72,19 @@ class Player {
     });
     this.parts.ticks.replaceChildren(...this.ticks);
     this.bounds = this.findBounds();
+    this.lanes.load(hunt, (this.leader || this).duration);
     this.seek(0);
+  }
+
+  /* To the beginning of a decision, counted from 1; where there is none of that number, stay. */
+  toDecision(number) {
+    const step = this.hunt.steps[number - 1];
+    if (step) this.seek(step.time, true);
+  }
+
+  scrubTo(time) {
+    this.pause();
+    this.seek(time);
   }
 
   // --- time ---------------------------------------------------------------------------------
@@ -174,6 +182,7 @@ class Player {
       p: () => this.parts["show-plan"].click(),
       o: () => this.parts["show-predicted"].click(),
       f: () => this.parts.follow.click(),
+      c: () => this.parts["show-considered"].click(),
     };
     if (!(event.key in acts)) return;
     event.preventDefault();
@@ -193,9 +202,12 @@ class Player {
       this.ticks.forEach((tick, i) => tick.classList.toggle("now", i === now));
       this.showStep(this.hunt.steps[now], now);
       canvas.setAttribute("aria-label", `The hunt seen from above. ${this.summary()}`);
+      this.decided(now + 1);
     }
+    for (const follower of this.followers) follower.seek(this.time);
     if (spoken) this.say(this.summary());
     this.draw();
+    this.lanes.show(this.time, now);
   }
 
   summary() {
@@ -221,28 +233,67 @@ class Player {
     ]);
     this.showBars(step);
     this.showPlan(step);
+    this.showConsidered(step);
     this.showPrey(step);
   }
 
   showBars(step) {
-    const { bars } = this.parts, table = step.bars;
+    const { bars } = this.parts, table = step.bars, posterior = table.kind === "posterior";
+    const sure = posterior && table.within ? table.within[table.gaits.indexOf(step.gait)] : null;
     this.parts["bars-title"].textContent = table.title;
-    this.parts["bars-caption"].textContent = table.caption;
-    const most = table.kind === "posterior" ? 1 : Math.max(...table.values, 1e-12);
+    this.parts["bars-caption"].textContent = table.caption + (sure ? `; 95 % interval of ${step.gait}: ${sure[2]}` : "");
+    const draw = posterior ? this.bar(table) : this.dot(step);
     bars.replaceChildren(...table.gaits.map((gait, i) => {
-      const row = element("tr"), head = element("th", gait), cell = element("td", undefined, "bar"), bar = element("div");
+      const row = element("tr"), head = element("th", gait);
       head.scope = "row";
       head.title = gait;
-      bar.style.width = `${(100 * table.values[i]) / most}%`;
-      cell.append(bar);
-      cell.setAttribute("aria-hidden", "true");
-      row.append(head, cell, element("td", table.kind === "posterior" ? table.values[i].toFixed(3) : String(Number(table.values[i].toPrecision(4)))));
+      const value = table.values[i];
+      row.append(head, ...draw(gait, i), element("td", posterior ? value.toFixed(3) : String(Number(value.toPrecision(4)))));
       if (gait === step.gait) {
         row.className = "chosen";
         row.setAttribute("aria-current", "true");
       }
       return row;
     }));
+  }
+
+  /* Cells of a probability: a bar with the whisker of its interval. */
+  bar(table) {
+    return (gait, i) => {
+      const cell = element("td", undefined, "bar"), bar = element("div");
+      bar.style.width = `${100 * table.values[i]}%`;
+      cell.append(bar);
+      if (table.within) {
+        const [low, high, words] = table.within[i], whisker = element("span", undefined, "whisker");
+        whisker.style.left = `${100 * low}%`;
+        whisker.style.width = `${100 * (high - low)}%`;
+        cell.title = `95 % interval ${words}`;
+        cell.append(whisker);
+      }
+      cell.setAttribute("aria-hidden", "true");
+      return [cell];
+    };
+  }
+
+  /* Cells of a value: a dot on an axis that begins at the best, a line to the worst that this gait begins, and how
+     much worse than the best it is. */
+  dot(step) {
+    const { values, gaits } = step.bars, chosen = values[gaits.indexOf(step.gait)];
+    const high = Math.max(...values), low = Math.min(...values), best = chosen === high && high > low ? high : low;
+    const wide = Math.max(high - low, 1e-12), spread = step.considered ? spreads(step.considered) : new Map();
+    const unit = unitOf(step.objective), place = (value) => Math.min(100, (100 * Math.abs(value - best)) / wide);
+    return (gait, i) => {
+      const cell = element("td", undefined, "dots"), line = element("span", undefined, "spread"), mark = element("i");
+      const [from, to] = spread.get(gait) || [values[i], values[i]];
+      line.style.left = `${Math.min(place(from), place(to))}%`;
+      line.style.width = `${Math.abs(place(to) - place(from))}%`;
+      mark.style.left = `${place(values[i])}%`;
+      cell.append(line, mark);
+      cell.setAttribute("aria-hidden", "true");
+      const off = values[i] - best, more = Number(Math.abs(off).toPrecision(3));
+      const words = Math.abs(off) < 1e-9 ? "best" : `${off > 0 ? "+" : "−"}${more}${unit ? ` ${unit}` : ""}`;
+      return [cell, element("td", words, "worse")];
+    };
   }
 
   showPlan(step) {
@@ -254,8 +305,23 @@ class Player {
     fillFacts(this.parts["plan-facts"], [
       ["value", step.value === null ? "not finite" : String(Number(step.value.toPrecision(4))), "value"],
       ["which is", step.objective, "objective"],
+      ...(promise(step) ? [["came true", promise(step).split(" / ")[1], "realised"]] : []),
       ["considered", `${step.nodes} ${step.nodes === 1 ? "alternative" : "alternatives"}`, "nodes"],
     ]);
+  }
+
+  showConsidered(step) {
+    const nodes = step.considered;
+    this.icicle.load(nodes, (node, path) => {
+      const known = nodes.gait.length, unit = unitOf(step.objective);
+      if (node === null) return `${known} alternatives; point at one for its path. The stronger, the better; purple is chosen.`;
+      const words = path.slice(1).map((i) => this.icicle.tree[i].label).join(" → ") || "now";
+      const value = node >= 0 ? nodes.value[node] : null, best = step.value;
+      if (value === null) return `${words}: not weighed itself`;
+      const off = best === null ? 0 : value - best, more = Number(Math.abs(off).toPrecision(3));
+      const worse = more ? `, ${off > 0 ? "+" : "−"}${more} against the chosen` : "";
+      return `${words}: ${Number(value.toPrecision(4))} ${unit}${worse}`;
+    });
   }
 
   showPrey(step) {
@@ -288,13 +354,20 @@ class Player {
     const poses = [...trail.hunter, ...trail.prey, ...(this.hunt.obstacles || []).flat()];
     const xs = poses.map((pose) => pose[0]), ys = poses.map((pose) => pose[1]);
     const range = { x0: Math.min(...xs), x1: Math.max(...xs), y0: Math.min(...ys), y1: Math.max(...ys) };
-    return { ...range, pad: 3 * Math.max(...radius) };
+    // predictions are seen too, as far as they do not make all else small
+    const more = 0.3 * Math.max(range.x1 - range.x0, range.y1 - range.y0);
+    const told = this.hunt.steps.flatMap((step) => [...step.predicted, ...step.planned]);
+    const grown = (end, edge, sign, axis) => told.reduce((far, point) => sign * Math.max(sign * far, Math.min(sign * point[axis], sign * edge + more)), end);
+    return {
+      x0: grown(range.x0, range.x0, -1, 0), x1: grown(range.x1, range.x1, 1, 0),
+      y0: grown(range.y0, range.y0, -1, 1), y1: grown(range.y1, range.y1, 1, 1), pad: 3 * Math.max(...radius),
+    };
   }
 
   /* Pixels per metre and the world point in the middle. */
   camera(width, height, hunter, prey) {
     let { x0, x1, y0, y1, pad } = this.bounds;
-    if (this.parts.follow.checked) {
+    if ((this.leader || this).parts.follow.checked) {
       const reach = Math.max(0.25, 0.75 * Math.hypot(prey[0] - hunter[0], prey[1] - hunter[1]));
       const x = (hunter[0] + prey[0]) / 2, y = (hunter[1] + prey[1]) / 2;
       [x0, x1, y0, y1, pad] = [x - reach, x + reach, y - reach, y + reach, 0];
@@ -309,7 +382,7 @@ class Player {
     const ratio = window.devicePixelRatio || 1;
     const width = Math.round(box.width * ratio), height = Math.round(box.height * ratio);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    const style = getComputedStyle(this.root);
+    const style = getComputedStyle(this.root); // read once a frame
     const ink = (name) => style.getPropertyValue(`--bh-${name}`).trim();
     const g = canvas.getContext("2d");
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -323,8 +396,12 @@ class Player {
     drawObstacles(pen, this.hunt.obstacles || []);
     this.drawTrails(pen, hunter, prey);
     const step = this.hunt.steps[this.shown];
-    if (this.parts["show-predicted"].checked) drawPredicted(pen, step, this.hunt.radius[1]);
-    if (this.parts["show-plan"].checked) drawPlan(pen, step);
+    const layer = (name) => (this.leader || this).parts[name].checked; // the leader's switches serve all
+    const start = this.hunt.trail.hunter[this.frameAt(step.time)];
+    if (layer("show-considered")) drawConsidered(pen, step, start);
+    if (layer("show-predicted")) drawPredicted(pen, step, this.hunt.radius[1]);
+    if (layer("show-plan")) drawPlan(pen, step);
+    if (this.path.length) drawPath(pen, step, start, this.path);
     drawRobot(pen, prey, this.hunt.radius[1], ink("prey"));
     drawRobot(pen, hunter, this.hunt.radius[0], ink("hunter"), this.hunt.legs);
     if (this.hunt.caught && this.time >= this.duration - 1e-9) drawCatch(pen, hunter, prey, this.hunt.outcome);
@@ -352,169 +429,4 @@ class Player {
       for (const step of steps.slice(0, this.shown + 1)) dot(pen, trail[who][this.frameAt(step.time)], 2.6);
     }
   }
-}
-
-function line({ g, at }, points) {
-  g.beginPath();
-  points.forEach((point, i) => (i ? g.lineTo(...at(point)) : g.moveTo(...at(point))));
-  g.stroke();
-}
-
-function dot({ g, at }, point, size, hollow) {
-  g.beginPath();
-  g.arc(...at(point), size, 0, 2 * Math.PI);
-  if (hollow) g.stroke();
-  else g.fill();
-}
-
-function drawGround({ g, at, ink, view }, walls) {
-  const cell = [0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 26) || 10;
-  const halfWidth = view.width / 2 / view.scale, halfHeight = view.height / 2 / view.scale;
-  g.strokeStyle = ink("grid");
-  g.lineWidth = 1;
-  g.beginPath();
-  for (let x = Math.ceil((view.x - halfWidth) / cell) * cell; x <= view.x + halfWidth; x += cell) {
-    g.moveTo(at([x, 0])[0], 0);
-    g.lineTo(at([x, 0])[0], view.height);
-  }
-  for (let y = Math.ceil((view.y - halfHeight) / cell) * cell; y <= view.y + halfHeight; y += cell) {
-    g.moveTo(0, at([0, y])[1]);
-    g.lineTo(view.width, at([0, y])[1]);
-  }
-  g.stroke();
-  if (!walls) return;
-  const [left, top] = at([-walls[0] / 2, walls[1] / 2]);
-  g.strokeStyle = ink("wall");
-  g.lineWidth = 4;
-  g.strokeRect(left - 2, top - 2, walls[0] * view.scale + 4, walls[1] * view.scale + 4);
-}
-
-function drawObstacles({ g, at, ink }, outlines) {
-  g.fillStyle = ink("wall");
-  for (const outline of outlines) {
-    g.beginPath();
-    outline.forEach((point, i) => (i ? g.lineTo(...at(point)) : g.moveTo(...at(point))));
-    g.closePath();
-    g.fill();
-  }
-}
-
-/* Where the prey is expected 1, 2, ... steps ahead; the one the plan aims at is filled. */
-function drawPredicted(pen, step, radius) {
-  const { g, ink, at, view } = pen, points = step.predicted;
-  g.strokeStyle = g.fillStyle = ink("prey");
-  g.font = "600 11px system-ui, sans-serif";
-  g.textAlign = "left";
-  if (points.length > 1) {
-    g.setLineDash([2, 5]);
-    g.lineWidth = 1.5;
-    line(pen, points);
-    g.setLineDash([]);
-    const size = Math.max(4, radius * view.scale);
-    points.slice(1).forEach((point, i) => {
-      g.globalAlpha = Math.max(0.35, 1 - 0.07 * i);
-      g.lineWidth = i + 1 === step.aimed ? 2.5 : 1.5;
-      dot(pen, point, size, true);
-      const [x, y] = at(point);
-      g.fillText(String(i + 1), x + size + 3, y - size + 3);
-    });
-    g.globalAlpha = 1;
-  }
-  if (step.aim) cross(pen, step.aim, 6);
-}
-
-function cross({ g, at }, point, size) {
-  const [x, y] = at(point);
-  g.lineWidth = 2.5;
-  g.beginPath();
-  g.moveTo(x - size, y - size);
-  g.lineTo(x + size, y + size);
-  g.moveTo(x - size, y + size);
-  g.lineTo(x + size, y - size);
-  g.stroke();
-}
-
-/* The mean path that the forward model expects of the planned gaits. */
-function drawPlan(pen, step) {
-  const { g, ink } = pen, poses = step.planned;
-  if (poses.length < 2) return;
-  g.strokeStyle = g.fillStyle = ink("hunter");
-  g.lineWidth = 2;
-  g.setLineDash([7, 5]);
-  line(pen, [poses[0], ...poses.slice(1).flatMap((pose, i) => arcPoints(poses[i], pose))]);
-  g.setLineDash([]);
-  for (const pose of poses.slice(1)) dot(pen, pose, 3.5);
-}
-
-/* A disc with two wheels, or with legs, and a nose that points where it faces. */
-function drawRobot({ g, at, ink, view }, pose, radius, colour, legs = []) {
-  const whole = Math.max(6, radius * view.scale), scale = whole / radius;
-  const r = legs.length ? 0.6 * whole : whole;
-  g.save();
-  g.translate(...at(pose));
-  g.rotate(-pose[2]);
-  g.lineWidth = Math.max(1.5, 0.12 * whole);
-  g.strokeStyle = colour;
-  for (const [x, y, footX, footY] of legs) {
-    g.beginPath();
-    g.moveTo(0.6 * x * scale, -0.6 * y * scale);
-    g.lineTo(footX * scale, -footY * scale);
-    g.stroke();
-  }
-  g.beginPath();
-  g.arc(0, 0, r, 0, 2 * Math.PI);
-  g.fillStyle = colour;
-  g.fill();
-  g.lineWidth = 1;
-  g.strokeStyle = ink("paper");
-  g.stroke();
-  g.fillStyle = ink("ink");
-  for (const side of legs.length ? [] : [-1, 1]) g.fillRect(-0.32 * r, side * 0.76 * r - 0.13 * r, 0.64 * r, 0.26 * r);
-  g.beginPath();
-  g.moveTo(0.85 * r, 0);
-  g.lineTo(-0.35 * r, 0.5 * r);
-  g.lineTo(-0.1 * r, 0);
-  g.lineTo(-0.35 * r, -0.5 * r);
-  g.closePath();
-  g.fillStyle = ink("paper");
-  g.fill();
-  g.restore();
-}
-
-function drawCatch({ g, at, ink, view }, hunter, prey, outcome) {
-  const [x, y] = at([(hunter[0] + prey[0]) / 2, (hunter[1] + prey[1]) / 2]);
-  g.strokeStyle = g.fillStyle = ink("good");
-  g.lineWidth = 3;
-  g.beginPath();
-  g.arc(x, y, 28, 0, 2 * Math.PI);
-  g.stroke();
-  g.font = "600 14px system-ui, sans-serif";
-  g.textAlign = "center";
-  const half = g.measureText(outcome).width / 2 + 6;
-  const below = y + 52 < view.height - 34 ? y + 47 : y - 37;
-  const middle = Math.min(Math.max(x, half), view.width - half);
-  g.strokeStyle = ink("paper");
-  g.lineWidth = 5;
-  g.strokeText(outcome, middle, below);
-  g.fillText(outcome, middle, below);
-}
-
-function drawScale({ g, ink, view }, above) {
-  const reach = [0.05, 0.1, 0.2, 0.5, 1, 2, 5].find((size) => size * view.scale >= 56) || 10;
-  const pixels = reach * view.scale, y = view.height - above;
-  g.strokeStyle = g.fillStyle = ink("faint");
-  g.lineWidth = 2;
-  g.beginPath();
-  g.moveTo(14, y - 4);
-  g.lineTo(14, y);
-  g.lineTo(14 + pixels, y);
-  g.lineTo(14 + pixels, y - 4);
-  g.stroke();
-  g.font = "12px system-ui, sans-serif";
-  g.textAlign = "left";
-  g.strokeStyle = ink("paper");
-  g.lineWidth = 5;
-  const label = length(reach);
-  g.strokeText(label, 14, y - 9);
-  g.fillText(label, 14, y - 9);
 }

@@ -35,7 +35,7 @@ def hunts(episodes: Sequence[Episode]) -> Figure:
         raise InputError("hunts: expected at least one episode to draw")
     by_place = {(e.provenance["arena"], e.provenance["planner"]): e for e in episodes}
     rows, columns = (list(dict.fromkeys(part)) for part in zip(*by_place, strict=True))
-    reaches = [_reach([e for (place, _), e in by_place.items() if place == arena]) for arena in rows]
+    reaches = [reach_of([e for (place, _), e in by_place.items() if place == arena]) for arena in rows]
     shares = [height / width for _, _, width, height in reaches]
     size = (_PANEL * len(columns), sum(_PANEL * share + 0.45 for share in shares) + 0.3)
     figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - _ROOM / size[1])))
@@ -55,6 +55,26 @@ def hunts(episodes: Sequence[Episode]) -> Figure:
 
 def _draw(panel: Axes, episode: Episode, reach: tuple[float, float, float, float]) -> None:
     x, y, width, height = reach
+    settings = draw_place(panel, episode, reach)
+    diameters = {"prey": settings.prey.body.diameter, "hunter": settings.robot.body.body_length}
+    for who, colour in (("prey", PREY), ("hunter", HUNTER)):
+        path = path_of(episode, who)
+        panel.plot(*path.T, color=colour, linewidth=1.3, solid_capstyle="round")
+        decisions = 1000 * episode.frame[[f"{who}_x", f"{who}_y"]].to_numpy()
+        panel.plot(*decisions.T, ".", color=colour, markersize=3.2)
+        panel.add_patch(
+            Circle(path[-1], 500 * diameters[who], facecolor=colour, edgecolor="white", linewidth=0.6, zorder=4)
+        )
+    _legs(panel, episode, settings)
+    if episode.caught:
+        middle = (path_of(episode, "hunter")[-1] + path_of(episode, "prey")[-1]) / 2
+        panel.plot(*middle, "o", color=CATCH, markersize=15, fillstyle="none", markeredgewidth=1.6, zorder=5)
+    _scale_bar(panel, x - width / 2, y - height / 2, width)
+
+
+def draw_place(panel: Axes, episode: Episode, reach: tuple[float, float, float, float]) -> ExperimentSettings:
+    """Draw walls and obstacles of the hunt's arena [mm] within ``reach``; return the hunt's settings."""
+    x, y, width, height = reach
     settings = parse(ExperimentSettings, episode.provenance["settings"], "the episode's settings")
     place = settings.arenas[episode.provenance["arena"]]
     panel.set_aspect("equal")
@@ -65,20 +85,7 @@ def _draw(panel: Axes, episode: Episode, reach: tuple[float, float, float, float
         panel.add_patch(Rectangle(corner, *size, fill=False, edgecolor=FAINT, linewidth=1.6))
     for obstacle in place.obstacles:
         panel.add_patch(solid(1000 * np.array(obstacle.outline())))
-    diameters = {"prey": settings.prey.body.diameter, "hunter": settings.robot.body.body_length}
-    for who, colour in (("prey", PREY), ("hunter", HUNTER)):
-        path = _path(episode, who)
-        panel.plot(*path.T, color=colour, linewidth=1.3, solid_capstyle="round")
-        decisions = 1000 * episode.frame[[f"{who}_x", f"{who}_y"]].to_numpy()
-        panel.plot(*decisions.T, ".", color=colour, markersize=3.2)
-        panel.add_patch(
-            Circle(path[-1], 500 * diameters[who], facecolor=colour, edgecolor="white", linewidth=0.6, zorder=4)
-        )
-    _legs(panel, episode, settings)
-    if episode.caught:
-        middle = (_path(episode, "hunter")[-1] + _path(episode, "prey")[-1]) / 2
-        panel.plot(*middle, "o", color=CATCH, markersize=15, fillstyle="none", markeredgewidth=1.6, zorder=5)
-    _scale_bar(panel, x - width / 2, y - height / 2, width)
+    return settings
 
 
 def _legs(panel: Axes, episode: Episode, settings: ExperimentSettings) -> None:
@@ -109,15 +116,15 @@ def _legend(figure: Figure) -> None:
     figure.legend(handles=marks, loc="outside lower center", ncols=len(marks))
 
 
-def _path(episode: Episode, who: str) -> np.ndarray:
+def path_of(episode: Episode, who: str) -> np.ndarray:
     """World positions [n, 2] of a robot from the start, in millimetres."""
     names = [f"{who}_x", f"{who}_y"]
     return 1000 * np.concatenate([episode.frame[names].to_numpy()[:1], episode.trail[names].to_numpy()])
 
 
-def _reach(episodes: list[Episode]) -> tuple[float, float, float, float]:
+def reach_of(episodes: Sequence[Episode]) -> tuple[float, float, float, float]:
     """Centre, width and height [mm] of the box that holds all these paths and, if any, walls and obstacles."""
-    points = [_path(episode, who) for episode in episodes for who in ("hunter", "prey")]
+    points = [path_of(episode, who) for episode in episodes for who in ("hunter", "prey")]
     for episode in episodes:
         place = episode.provenance["settings"]["arenas"][episode.provenance["arena"]]
         if place["walled"]:

@@ -31,37 +31,56 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.views import grounds
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
+from bayeshunt.views.pages.replay_search import colours, considered, realised, whiskers
+
+#: What the player of a hunt is made of, for pages that have one.
+STYLES = ("player.css",)
+SCRIPTS = ("units.js", "icicle.js", "lanes.js", "field.js", "player.js")
 
 
 @checked
 def write_replay(
-    episode: Episode, path: str | os.PathLike[str], *, model: ForwardModel | None = None, source: Sequence[str] = ()
+    episode: Episode | Sequence[Episode],
+    path: str | os.PathLike[str],
+    *,
+    model: ForwardModel | None = None,
+    source: Sequence[str] = (),
 ) -> None:
     """Write the replay of ``episode`` as one HTML file, replaced atomically; see :func:`replay_html`."""
     check_ending(path, "pages", ".html")
     write_text(path, replay_html(episode, model=model, source=source))
 
 
-def replay_html(episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = ()) -> str:
-    """Return a self-contained page that plays ``episode``.
+def replay_html(
+    episode: Episode | Sequence[Episode], *, model: ForwardModel | None = None, source: Sequence[str] = ()
+) -> str:
+    """Return a self-contained page that plays ``episode``, or several in step: of one seed they start alike.
 
     model: where planners that keep no path (reactive, prediction) expect their gait to lead is drawn
-        from it; without it they show their aim alone.
+        from it, and how sure their posteriors are; without it they show their aim alone.
     source: options of the command shown at the foot, as ``commands.model_option`` gives them.
 
-    Raises InputError if that is no episode, or if the hunt ended before its first decision.
+    Raises InputError if that is no episode, or if a hunt ended before its first decision.
     """
-    hunt = replay_data(episode, model=model, source=source)
+    episodes: Sequence[Any] = episode if isinstance(episode, (list, tuple)) else [episode]
+    hunts = [replay_data(one, model=model, source=source) for one in episodes]
+    title = f"{hunts[0]['title']}: {hunts[0]['outcome']}" if len(hunts) == 1 else f"{len(hunts)} hunts in step"
     return render(
-        "replay.html.j2", ["page.css", "player.css"], ["units.js", "player.js", "replay.js"],
-        hunt=hunt, data=embed(hunt), version=version("bayeshunt"),
+        "replay.html.j2", ["page.css", *STYLES], [*SCRIPTS, "replay.js"],
+        hunts=hunts, title=title, data=[embed(hunt) for hunt in hunts], version=version("bayeshunt"),
     )  # fmt: skip
 
 
 def replay_data(
-    episode: Episode, *, model: ForwardModel | None = None, source: Sequence[str] = (), every: int = 1
+    episode: Episode,
+    *,
+    model: ForwardModel | None = None,
+    source: Sequence[str] = (),
+    every: int = 1,
+    nodes: bool = True,
 ) -> dict[str, Any]:
-    """Return what the player draws, as plain values for JSON; ``every``: keep each so many-th point of the trail.
+    """Return what the player draws, as plain values for JSON; ``every``: keep each so many-th point of the trail;
+    ``nodes``: keep every alternative that a decision considered.
 
     World poses are [x, y, theta] in metres and radians counter-clockwise, what the hunter sees is
     [distance, angle, heading], clockwise.
@@ -80,7 +99,14 @@ def replay_data(
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]
     before = [None, *(row["gait"] for row in records)]
-    steps = [_step(row, settings, model, previous) for row, previous in zip(records, before, strict=False)]
+    steps = [
+        {
+            **_step(row, settings, model, previous),
+            "realised": realised(row, episode, settings.robot.gait_duration),
+            "considered": considered(row, model, previous) if nodes else None,
+        }
+        for row, previous in zip(records, before, strict=False)
+    ]
     return {
         "title": f"{planner}, {arena} arena, prey first at {units.theta(theta)}",
         "planner": planner, "arena": arena, "theta": theta, "seed": str(seed),
@@ -92,6 +118,7 @@ def replay_data(
         "walls": [place.width, place.height] if place.walled else None,
         "obstacles": [[[round(v, 4) for v in at] for at in obstacle.outline()] for obstacle in place.obstacles],
         "trail": _trail(episode, every),
+        "colours": colours(episode),
         "steps": steps,
         "bins": [number(width) for width in _bin_widths(settings)],
         "note": settings.note,
@@ -135,7 +162,7 @@ def _step(
         "predicted": _world_path(hunter, predicted),
         "aimed": _aimed(predicted, target),
         "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
-        "bars": _bars(row, settings),
+        "bars": {**_bars(row, settings), "within": whiskers(row, model, previous)},
         "energy": number(row["energy"]) if "energy" in row else None, "falls": int(row.get("falls", 0)),
     }  # fmt: skip
 

@@ -27,6 +27,7 @@ from bayeshunt.planners.registry import is_ab_initio
 from bayeshunt.views import reported
 from bayeshunt.views.pages.commands import SETTINGS_FILE, evaluate_command, model_option, preset_of, to_toml
 from bayeshunt.views.pages.page import embed, render
+from bayeshunt.views.pages.replay import SCRIPTS, STYLES
 from bayeshunt.views.pages.report_charts import styles, success_charts, time_charts
 from bayeshunt.views.pages.report_gallery import Shelf, build_shelf
 
@@ -62,7 +63,7 @@ def report_html(facts: dict[str, Any]) -> str:
     """Return the page for what :func:`report_facts` gathered."""
     hunts = [{k: v for k, v in hunt.items() if k != "thumbnail"} for s in facts["shelves"] for hunt in s.hunts]
     return render(
-        "report.html.j2", ["page.css", "player.css", "report.css"], ["units.js", "player.js", "report.js"],
+        "report.html.j2", ["page.css", *STYLES, "report.css"], [*SCRIPTS, "report.js"],
         data=[embed(hunt) for hunt in hunts], theta_words=theta, **facts,
     )  # fmt: skip
 

@@ -62,7 +62,7 @@ def build_shelf(
                     f"({_end(episode.caught, episode.time)}, not {_end(row['caught'], row['time'])}): "
                     "it was evaluated with another model or version; give its model with --model."
                 )
-            data = replay_data(episode, model=model, every=_EVERY, **source)
+            data = replay_data(episode, model=model, every=_EVERY, nodes=False, **source)
             shelf.hunts.append({**data, "run": int(row["run"]), "thumbnail": thumbnail(episode)})
     except BayesHuntError as error:
         shelf.problem = f"Its hunts cannot be made again here: {error}"

@@ -1,0 +1,133 @@
+"""The inspector of a replay: every alternative, lanes over time, hunts in step, links to a moment."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.views.pages.replay import write_replay
+
+
+@pytest.fixture(scope="module")
+def planned(settings, model):
+    return bh.hunt(settings, bh.make_planner("planning", model), arena="open", theta=4.0, seed=0)
+
+
+@pytest.fixture
+def page_of(open_page, tmp_path, model):
+    def opened(episodes, link="", **settings):
+        write_replay(episodes, tmp_path / "hunt.html", model=model)
+        return open_page((tmp_path / "hunt.html").as_uri() + link, **settings)
+
+    return opened
+
+
+def test_every_node_of_every_plan_is_in_the_page(page_of, planned):
+    page, watch = page_of(planned)
+    data = json.loads(page.locator("[data-hunt-data]").text_content())
+    for step, plan in zip(data["steps"], planned.plans, strict=True):
+        nodes, trace = step["considered"], plan.trace
+        assert [nodes["names"][i] for i in nodes["gait"]] == trace["gait"].tolist()
+        assert nodes["parent"] == trace["parent"].tolist()
+        assert nodes["value"] == pytest.approx((1000 * trace["value_m"]).tolist(), rel=1e-4)
+        assert nodes["chosen"] == trace.index[trace["chosen"]].tolist()
+        ends = trace[["hunter_forward", "hunter_right", "hunter_heading"]].to_numpy().ravel()
+        assert nodes["end"] == pytest.approx((1e4 * ends).tolist(), abs=0.51)
+    assert watch.errors == []
+
+
+def test_a_node_that_is_pointed_at_shows_its_path_and_worth(page_of, planned):
+    page, watch = page_of(planned, "#d=3")
+    before = page.locator("canvas").evaluate("canvas => canvas.toDataURL()")
+    box = page.locator("[data-part=icicle-words]")
+    trace = planned.plans[2].trace
+    assert box.inner_text().startswith(f"{len(trace)} alternatives")
+    page.locator("[data-part=icicle]").hover(position={"x": 4, "y": 30})  # the first child of the root
+    first = trace.iloc[1]
+    gait, value = re.match(r"(.+): ([\d.]+) mm", box.inner_text()).groups()
+    assert (gait, float(value)) == (first["gait"], pytest.approx(1000 * first["value_m"], rel=1e-3))
+    assert page.locator("canvas").evaluate("canvas => canvas.toDataURL()") != before
+    assert watch.errors == []
+
+
+def test_arrow_keys_walk_through_the_alternatives(page_of, planned):
+    page, _ = page_of(planned, "#d=3")
+    page.get_by_role("group", name="Alternatives considered").focus()
+    box = page.locator("[data-part=icicle-words]")
+    page.keyboard.press("Home")
+    while "now" not in box.inner_text().split(":")[0]:
+        page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowRight")
+    trace = planned.plans[2].trace
+    assert box.inner_text().startswith(f"{trace.iloc[2]['gait']}: ")
+    assert page.locator("[data-player]").get_attribute("data-step") == "2"  # the hunt stays where it is
+    page.keyboard.press("Escape")
+    assert "alternatives" in box.inner_text()
+
+
+def test_a_link_leads_to_a_decision_and_follows_the_hunt(page_of, planned):
+    page, _ = page_of(planned, "#d=4")
+    assert page.locator("[data-part=heading]").inner_text().startswith("Decision 4:")
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("location.hash") == "#d=5"
+    page.evaluate("location.hash = '#d=2'")
+    page.wait_for_timeout(50)
+    assert page.locator("[data-part=heading]").inner_text().startswith("Decision 2:")
+    page.evaluate("location.hash = '#d=400'")
+    page.wait_for_timeout(50)
+    assert page.locator("[data-part=heading]").inner_text().startswith("Decision 2:")
+
+
+def test_two_hunts_go_in_step(page_of, planned, episodes):
+    other = episodes["reactive"]
+    page, watch = page_of([planned, other])
+    longer = max((planned, other), key=lambda episode: episode.trail["time"].iloc[-1])
+    leader = page.locator("[data-player]:not(.follower)")
+    assert page.get_by_role("heading", level=1).inner_text() == "2 hunts in step"
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    assert [node.get_attribute("data-step") for node in page.locator("[data-player]").all()] == ["2", "2"]
+    page.keyboard.press("End")
+    assert f"of {longer.trail['time'].iloc[-1]:.2f} s" in leader.locator("[data-part=clock]").inner_text()
+    ends = [int(node.get_attribute("data-step")) for node in page.locator("[data-player]").all()]
+    assert ends == [len(planned.frame) - 1, len(other.frame) - 1]
+    assert watch.errors == []
+
+
+def test_the_lanes_say_what_now_is_and_lead_there(page_of, planned):
+    page, watch = page_of(planned)
+    lanes = page.locator("[data-part=lanes]")
+    box = lanes.bounding_box()
+    lanes.click(position={"x": 78 + 0.5 * (box["width"] - 170), "y": 40})
+    clock = float(re.match(r"[\d.]+", page.locator("[data-part=clock]").inner_text()).group())
+    assert clock == pytest.approx(planned.trail["time"].iloc[-1] / 2, rel=0.02)
+    assert watch.errors == []
+
+
+def test_whiskers_stand_on_the_bars_of_a_posterior(page_of, episodes, model):
+    page, _ = page_of(episodes["reactive"])
+    row = episodes["reactive"].frame.iloc[0]
+    answer = bh.InverseModel(model).posterior(row["target_distance"], row["target_angle"])
+    low, high = answer.interval().loc[row["gait"], ["low", "high"]]
+    whisker = page.locator("[data-part=bars] tr.chosen .whisker")
+    track = page.locator("[data-part=bars] tr.chosen td.bar")
+    width = track.bounding_box()["width"]
+    assert whisker.bounding_box()["width"] == pytest.approx(max((high - low) * width, 2), abs=1.5)
+    assert f"95 % interval of {row['gait']}: " in page.locator("[data-part=bars-caption]").inner_text()
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_a_decision_is_seen_at_once(page_of, planned, width, height):
+    page, _ = page_of(planned, viewport={"width": width, "height": height})
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    parts = ["canvas", "lanes", "play", "bars", "icicle", "prey-summary"] if width > 1000 else ["canvas", "play"]
+    for part in parts:
+        box = page.locator(f"[data-part={part}]").bounding_box()
+        assert box["y"] + box["height"] <= height, part
+    if width < 1000:  # the field stays in view while the panels pass below
+        page.locator("[data-part=icicle]").scroll_into_view_if_needed()
+        assert page.locator("[data-part=canvas]").bounding_box()["y"] >= -1
