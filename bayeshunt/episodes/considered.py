@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
+
+import pandas as pd
 
 from bayeshunt.planners.api import Plan
 
-__all__ = ["considered"]
+__all__ = ["considered", "first_gaits"]
 
 #: Names that traces give to the value of a node and to where it ends [m, m, rad clockwise], in order of preference.
 _VALUES = ("value_m", "value_s", "value", "posterior")
@@ -41,3 +44,16 @@ def considered(plan: Plan) -> dict[str, list[Any] | None]:
         name = next((f"{who}_{part}" for who in _ENDS if f"{who}_{part}" in columns), None)
         found[part] = None if name is None else trace[name].to_numpy(dtype=float).tolist()
     return {f"considered_{name}": found[name] for name in names}
+
+
+def first_gaits(trace: pd.DataFrame) -> list[str | None]:
+    """Return the first gait of the sequence in each row of a plan's trace; None for the empty sequence."""
+    gaits = trace["gait"].tolist()
+    if {"node", "parent", "T"} <= set(trace.columns):
+        first: dict[int, str | None] = {}
+        for node, parent, steps, gait in zip(trace["node"], trace["parent"], trace["T"], gaits, strict=True):
+            first[node] = None if steps == 0 else gait if steps == 1 else first[parent]
+        return list(first.values())
+    if "gaits" in trace:  # sequences written run by run: "straight x3, wide left x1"
+        return [re.split(r" x\d+(?:, |$)", text, maxsplit=1)[0] or None for text in trace["gaits"]]
+    return gaits

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.core.messages import Moment
 from bayeshunt.core.statistics import entropy
-from bayeshunt.episodes.considered import considered
+from bayeshunt.episodes.considered import considered, first_gaits
 from bayeshunt.planners.api import Plan, Situation
 
 __all__ = ["Step"]
@@ -96,20 +94,7 @@ def _alternatives(plan: Plan) -> dict[str, Any]:
     if plan.posterior is not None or column is None or "gait" not in trace:
         return {"alternative_gaits": None, "alternative_values": None}
     least: dict[str, float] = {}
-    for gait, value in zip(_first_gaits(trace), trace[column].tolist(), strict=True):
+    for gait, value in zip(first_gaits(trace), trace[column].tolist(), strict=True):
         if gait is not None:
             least[gait] = min(value, least.get(gait, np.inf))
     return {"alternative_gaits": list(least), "alternative_values": list(least.values())}
-
-
-def _first_gaits(trace: pd.DataFrame) -> list[str | None]:
-    """First gait of the sequence in each row of a plan's trace; None for the empty sequence."""
-    gaits = trace["gait"].tolist()
-    if {"node", "parent", "T"} <= set(trace.columns):
-        first: dict[int, str | None] = {}
-        for node, parent, steps, gait in zip(trace["node"], trace["parent"], trace["T"], gaits, strict=True):
-            first[node] = None if steps == 0 else gait if steps == 1 else first[parent]
-        return list(first.values())
-    if "gaits" in trace:  # sequences written run by run: "straight x3, wide left x1"
-        return [re.split(r" x\d+(?:, |$)", text, maxsplit=1)[0] or None for text in trace["gaits"]]
-    return gaits

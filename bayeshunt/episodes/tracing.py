@@ -11,11 +11,14 @@ import pandas as pd
 from bayeshunt.core import displays
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait
+from bayeshunt.episodes.tracing_cells import CellTrace, trace_cell
+from bayeshunt.episodes.tracing_plans import PlanTrace, trace_plan
 from bayeshunt.models.body.explain import log_terms
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.planners.api import Plan
 
-__all__ = ["Trace", "trace"]
+__all__ = ["CellTrace", "PlanTrace", "Trace", "trace", "trace_answer"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,15 +70,24 @@ class Trace:
         return displays.to_html(self)
 
 
-def trace(x: Any, gait: Gait | str | None = None) -> Trace:
+def trace(
+    x: Any, gait: Gait | str | None = None, *, cell: Any = None, model: ForwardModel | None = None
+) -> Trace | CellTrace | PlanTrace:
     """Return what a number is made of, down to the rows.
 
-    x: an answer of an inverse model, or a plan (a decision: ``episode.plans[i]``) that was taken by one.
-    gait: whose probability; None: the most probable.
+    x: an answer of an inverse model; a plan (a decision: ``episode.plans[i]``); or a forward model, of which ``cell``
+        is opened.
+    gait: whose probability, of an answer; None: the most probable.
+    cell: (variable, state or SI number, gait), or ("Gait", gait).
+    model: the tables behind a plan that weighed sequences, which carries none itself.
 
-    Raises InputError for anything else, a plan that weighed no posterior or came from another process, and a gait that
+    Raises InputError for anything else, a plan that weighed nothing or came from another process, and a gait that
     is not in the repertoire.
     """
+    if isinstance(x, ForwardModel):
+        return trace_cell(x, cell)
+    if isinstance(x, Plan) and x.answer is None and x.posterior is None and x.nodes > 1:
+        return trace_plan(x, model)
     answer = x.answer if isinstance(x, Plan) else x
     if isinstance(x, Plan) and answer is None:
         why = (
@@ -84,6 +96,11 @@ def trace(x: Any, gait: Gait | str | None = None) -> Trace:
         raise InputError(f"this plan {why}")
     if not isinstance(answer, Posterior):
         raise InputError(f"expected an answer of an inverse model or a plan, got {shown(x)}")
+    return trace_answer(answer, gait)
+
+
+def trace_answer(answer: Posterior, gait: Gait | str | None = None) -> Trace:
+    """Open an answer; gait: whose probability, None: the most probable."""
     names = answer.model.gaits.names
     name = answer.best if gait is None else names[answer.model.gaits.index(gait)]
     return Trace(answer, name, _factors(answer), _cells(answer, name))

@@ -23,7 +23,9 @@ explorer.render({{model, el: document.getElementById("place")}});</script>"""
 def page(open_page, model, tmp_path):
     explorer = bh.Explorer(model, distance=0.1, angle=0.5)
     state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
-    script = (asset("units.js") + asset("explorer.js")).replace("export default", "const explorer =")
+    script = (asset("units.js") + asset("trace.js") + asset("explorer.js")).replace(
+        "export default", "const explorer ="
+    )
     text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{explorer._css}</style>"
     (tmp_path / "page.html").write_text(text, encoding="utf-8")
     page, watch = open_page(tmp_path / "page.html", viewport={"width": 360, "height": 800})
@@ -52,3 +54,13 @@ def test_arrow_keys_tell_python_where_the_target_is(page, model):
 
 def test_it_fits_a_phone(page):
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
+
+
+def test_a_number_opens_at_the_side(page, model):
+    found = bh.trace(bh.InverseModel(model).posterior(0.1, 0.5))
+    page.get_by_role("button", name=found.gait, exact=True).focus()
+    page.keyboard.press("Enter")
+    panel = page.get_by_role("region", name="Where a number comes from")
+    assert panel.locator(".formula").inner_text().endswith(f"= {found.factors.loc[found.gait, 'posterior']:.6g}")
+    page.keyboard.press("Escape")
+    assert panel.count() == 0

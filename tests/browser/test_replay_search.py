@@ -102,7 +102,7 @@ def test_the_lanes_say_what_now_is_and_lead_there(page_of, planned):
     page, watch = page_of(planned)
     lanes = page.locator("[data-part=lanes]")
     box = lanes.bounding_box()
-    lanes.click(position={"x": 78 + 0.5 * (box["width"] - 170), "y": 40})
+    lanes.click(position={"x": 86 + 0.5 * (box["width"] - 178), "y": 40})
     clock = float(re.match(r"[\d.]+", page.locator("[data-part=clock]").inner_text()).group())
     assert clock == pytest.approx(planned.trail["time"].iloc[-1] / 2, rel=0.02)
     assert watch.errors == []
@@ -131,3 +131,42 @@ def test_a_decision_is_seen_at_once(page_of, planned, width, height):
     if width < 1000:  # the field stays in view while the panels pass below
         page.locator("[data-part=icicle]").scroll_into_view_if_needed()
         assert page.locator("[data-part=canvas]").bounding_box()["y"] >= -1
+
+
+def test_a_probability_opens_down_to_its_rows(page_of, settings, model):
+    """From the bar by the keyboard: factors, their cells' counts, the rows; back by the breadcrumb; Esc closes."""
+    episode = bh.hunt(settings, bh.make_planner("reactive", model), arena="open", theta=1.0, seed=0)
+    page, watch = page_of(episode)
+    plan = episode.plans[0]
+    found = bh.trace(plan)
+    page.locator("[data-part=bars] tr.chosen button").focus()
+    page.keyboard.press("Enter")
+    panel = page.get_by_role("region", name="Where a number comes from")
+    assert panel.locator(".formula").inner_text() == found.formula.replace(" x ", " × ").replace(
+        " e)", " Distance, Angle)"
+    )
+    cells = found.cells.set_index("variable")
+    lines = panel.locator("table").first.locator("tbody tr").all()
+    assert [int(line.locator("td").last.inner_text()) for line in lines] == cells["count"].tolist()
+    panel.get_by_role("button", name=re.compile(r"P\(Distance")).click()
+    rows = found.rows("Distance")
+    table = panel.locator("tbody tr")
+    assert table.count() == min(len(rows), 30)
+    assert table.first.locator("th").inner_text() == str(rows.index[0])
+    crumbs = panel.locator("nav li").all_inner_texts()
+    assert crumbs == ["Decision 1", f"P({plan.gait})", crumbs[-1]]
+    assert crumbs[-1].startswith("Distance ")
+    panel.get_by_role("button", name=f"P({plan.gait})", exact=True).click()
+    assert panel.locator(".formula").inner_text().startswith(f"P({plan.gait} |")
+    page.keyboard.press("Escape")
+    assert panel.count() == 0
+    assert page.locator("[data-part=bars] tr.chosen button").evaluate("node => node === document.activeElement")
+    assert watch.errors == []
+
+
+def test_a_value_opens_to_the_sequences_under_its_gait(page_of, planned):
+    page, _ = page_of(planned)
+    page.locator("[data-part=bars] tr.chosen button").click()
+    panel = page.get_by_role("region", name="Where a number comes from")
+    best = float(panel.locator("tbody tr").first.locator("td").inner_text())
+    assert best == pytest.approx(1000 * planned.plans[0].value, rel=1e-3)

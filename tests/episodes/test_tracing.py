@@ -5,6 +5,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.core.errors import InputError
+from bayeshunt.episodes.considered import first_gaits
 
 
 @pytest.fixture(scope="module")
@@ -60,3 +61,47 @@ def test_what_cannot_be_traced(model):
         bh.trace(bh.Plan("straight"))
     with pytest.raises(InputError, match="fly"):
         bh.trace(bh.InverseModel(model).posterior(0.16, -0.35), "fly")
+
+
+def test_a_cell_of_a_table(model):
+    found = bh.trace(model, cell=("Angle", 0.0, "straight"))
+    count, total = (model.counts("Angle")["straight"][found.state], model.counts("Angle")["straight"].sum())
+    assert (found.count, found.total, found.probability) == (count, total, count / total)
+    assert f"({count} + 0) / ({total} + 0 x 36) = {count / total:.6g}" in found.formula
+    assert len(found.rows()) == count
+    gait = bh.trace(model, cell=("Gait", "straight"))
+    assert "1 / 10 = 0.1" in gait.formula
+    assert len(gait.rows()) == gait.count
+    smoothed = bh.ForwardModel.fit(bh.load_dataset("data/khepera_babbling.parquet"), model.gaits, 0.5)
+    told = bh.trace(smoothed, cell=("Angle", found.state, "straight"))
+    assert told.probability == pytest.approx((count + 0.5) / (total + 18))
+    assert "0.5 x 36" in told.formula
+    for shown in (str(found), found._repr_html_()):
+        assert "straight" in shown
+
+
+@pytest.mark.parametrize(
+    "cell", [None, ("Height", 0.0, "straight"), ("Angle", "north", "straight"), ("Distance", 9.0, "straight")]
+)
+def test_what_is_no_cell(model, cell):
+    with pytest.raises(InputError, match=r"cell|no bin|outside"):
+        bh.trace(model, cell=cell)
+
+
+@pytest.mark.parametrize("planner", ["planning", "frugal", "intercept", "pure_pursuit"])
+def test_a_decision_that_weighed_sequences(model, planner):
+    episode = bh.hunt("paper", bh.make_planner(planner, model), seed=3)
+    for plan in episode.plans[:4]:
+        found = bh.trace(plan, model=model)
+        assert found.gait == plan.gait
+        assert f"{plan.value:.6g}" in found.formula
+        assert found.alternatives["least"].min() == pytest.approx(plan.value)
+        assert found.alternatives["nodes"].sum() == sum(name is not None for name in first_gaits(plan.trace))
+        for cell in found.cells.to_dict("records"):
+            gait = cell["given"].removeprefix("Gait = ")
+            assert cell["count"] == model.counts(cell["variable"]).loc[cell["state"], gait]
+            assert len(found.rows(gait)) == cell["rows"]
+        for shown in (str(found), found._repr_html_()):
+            assert plan.gait in shown
+    with pytest.raises(InputError, match="model=model"):
+        bh.trace(plan).rows()

@@ -120,13 +120,16 @@ function drawField(svg, plane) {
   };
 }
 
-function buildSide(side, scene) {
+function buildSide(side, scene, open) {
   element("p", "P(Gait | Distance, Angle)", "title", side);
   const table = element("table", undefined, "gaits", side);
   const rows = scene.gaits.map((gait) => {
-    const row = element("tr", undefined, "", table), head = element("th", gait, "", row);
+    const row = element("tr", undefined, "", table), head = element("th", undefined, "", row);
+    const button = element("button", gait, "plain", head);
+    button.type = "button";
+    button.title = `${gait}: where this number comes from`;
+    button.addEventListener("click", () => open(gait));
     head.scope = "row";
-    head.title = gait;
     const track = element("td", undefined, "bar", row);
     const bar = element("div", undefined, "", track), whisker = element("span", undefined, "whisker", track);
     return { row, bar, whisker, value: element("td", "", "value", row), within: element("td", "", "within", row) };
@@ -181,7 +184,8 @@ function render({ model, el }) {
   const side = element("div", undefined, "side", root);
   const status = element("p", undefined, "spoken", root); // one line: to hear the whole panel at each step is too much
   status.setAttribute("role", "status");
-  const field = drawField(svg, plane), tell = buildSide(side, scene);
+  const field = drawField(svg, plane), trace = new TracePanel(root);
+  const tell = buildSide(side, scene, (gait) => trace.open(model.get("_answer").opened, gait));
   let waiting = 0, dragging = false;
 
   const show = () => {

@@ -2,7 +2,7 @@
 /* Lanes over the time of a hunt: its gaits, the distance to the prey, what each plan promised against what came, and
    how unsure the prey table is. After icicle.js, before player.js. */
 
-const LANE = 30, GUTTER = 78, MARGIN = 92;
+const LANE = 30, GUTTER = 86, MARGIN = 92;
 
 /* Bits of doubt over the cells of a prey table, rows of [..., count]. */
 function doubt(rows) {
@@ -15,7 +15,7 @@ const unitOf = (objective) => (/\[(.+)\]$/.exec(objective) || ["", ""])[1];
 /* What a plan promised and what came, in words; "" where nobody can say. */
 function promise(step) {
   if (step.realised === null || step.value === null) return "";
-  const [plan, real] = [step.value, step.realised].map((value) => Number(value.toPrecision(4)));
+  const [plan, real] = [step.value, step.realised].map((value) => Number(value.toPrecision(3)));
   return `${plan} / ${real} ${unitOf(step.objective)}`;
 }
 

@@ -14,6 +14,10 @@ function element(name, text, className) {
   return node;
 }
 
+function sayThere(body, words) {
+  body.append(element("p", words, "formula"));
+}
+
 function fillFacts(list, pairs) {
   list.replaceChildren(...pairs.flatMap(([term, value, key]) => {
     const detail = element("dd", value);
@@ -39,6 +43,7 @@ class Player {
       this.path = path;
       this.draw();
     });
+    this.trace = new TracePanel(root);
     for (const follower of followers) follower.leader = this;
     this.listen(keys);
   }
@@ -244,9 +249,12 @@ class Player {
     this.parts["bars-caption"].textContent = table.caption + (sure ? `; 95 % interval of ${step.gait}: ${sure[2]}` : "");
     const draw = posterior ? this.bar(table) : this.dot(step);
     bars.replaceChildren(...table.gaits.map((gait, i) => {
-      const row = element("tr"), head = element("th", gait);
+      const row = element("tr"), head = element("th"), open = element("button", gait, "plain");
       head.scope = "row";
-      head.title = gait;
+      head.append(open);
+      open.type = "button";
+      open.title = `${gait}: where this number comes from`;
+      open.addEventListener("click", () => this.openNumber(step, gait));
       const value = table.values[i];
       row.append(head, ...draw(gait, i), element("td", posterior ? value.toFixed(3) : String(Number(value.toPrecision(4)))));
       if (gait === step.gait) {
@@ -255,6 +263,28 @@ class Player {
       }
       return row;
     }));
+  }
+
+  /* Where the number beside a gait comes from, in the panel at the side. */
+  openNumber(step, gait) {
+    this.pause();
+    const decision = { title: `Decision ${step.number + 1}`, fill: (body) => {
+      sayThere(body, `At ${step.time.toFixed(3)} s the prey is seen ${polar(step.seen)}. ${step.objective}: ${step.value}; decided for ${step.gait}, of ${step.nodes}.`);
+    } };
+    if (step.opened) return this.trace.open(step.opened, gait, [decision]);
+    const nodes = step.considered, tree = nodes ? growTree(nodes) : [], rows = [];
+    tree.forEach((item, i) => {
+      const path = [];
+      for (let at = i; at > 0; at = tree[at].above) path.unshift(tree[at].label);
+      if (item.node >= 0 && path.length && path[0].replace(/ x\d+$/, "") === gait && nodes.value[item.node] !== null)
+        rows.push([path.join(" → "), nodes.value[item.node]]);
+    });
+    const best = step.bars.values[step.bars.gaits.indexOf(gait)];
+    rows.sort((a, b) => Math.abs(a[1] - best) - Math.abs(b[1] - best));
+    return this.trace.show([decision, { title: gait, fill: (body) => {
+      sayThere(body, `${step.objective}: ${best}, the best of ${rows.length} sequences that begin with ${gait}`);
+      this.trace.table(body, ["sequence", "value"], rows.slice(0, 40).map(([words, value]) => [words, String(Number(value.toPrecision(4)))]));
+    } }]);
   }
 
   /* Cells of a probability: a bar with the whisker of its interval. */

@@ -11,7 +11,7 @@ from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.episodes.episode import Episode
-from bayeshunt.episodes.tracing import Trace
+from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.assessment.assess import Assessment
@@ -93,6 +93,8 @@ for _kind, _sheet in (
     (Network, network.network),
     (Comparison, comparison.comparison),
     (Trace, tracing.trace),
+    (CellTrace, tracing.cell),
+    (PlanTrace, tracing.plan),
     (Assessment, assessment.assessment),
     (RobotSettings, settings.robot),
     (GaitRepertoire, settings.gaits),

@@ -16,6 +16,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds, theme
+from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.page import asset, number
 from bayeshunt.views.sheets.sheet import bounds
 
@@ -37,8 +38,8 @@ class Explorer(anywidget.AnyWidget):
     target; setting them moves it. Raises InputError for a target out of range or another model.
     """
 
-    _esm = asset("units.js") + asset("explorer.js")
-    _css = theme.palette(".bh-explorer") + asset("explorer.css")
+    _esm = asset("units.js") + asset("trace.js") + asset("explorer.js")
+    _css = theme.palette(".bh-explorer") + asset("explorer.css") + asset("trace.css")
 
     distance = traitlets.Float(0.10).tag(sync=True)  # metres, >= 0
     angle = traitlets.Float(0.5).tag(sync=True)  # radians, clockwise
@@ -135,6 +136,7 @@ def _describe(inverse: InverseModel, answer: Posterior) -> dict[str, Any]:
         "cell": [answer.cell.distance_bin, answer.cell.angle_bin],
         "labels": [true_minus(label(name)) for name in (answer.cell.distance_label, answer.cell.angle_label)],
         "outcomes": _outcomes(inverse, answer),
+        "opened": opened(answer),
     }
 
 

@@ -29,13 +29,14 @@ from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.views import grounds
+from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
-from bayeshunt.views.pages.replay_search import colours, considered, realised, whiskers
+from bayeshunt.views.pages.replay_search import asked_again, colours, considered, realised, whiskers
 
 #: What the player of a hunt is made of, for pages that have one.
-STYLES = ("player.css",)
-SCRIPTS = ("units.js", "icicle.js", "lanes.js", "field.js", "player.js")
+STYLES = ("player.css", "trace.css")
+SCRIPTS = ("units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.js")
 
 
 @checked
@@ -149,6 +150,7 @@ def _step(
     plan = [str(gait) for gait in row["planned_gaits"]]
     prey_rows = [] if row.get("prey_table") is None else [list(map(float, cell)) for cell in row["prey_table"]]
     observed = _polar(row, "observed")
+    answer = asked_again(row, model, previous)
     return {
         "number": int(row["step"]), "time": number(row["time"]), "gait": row["gait"],
         "plan": [[gait, len(list(run))] for gait, run in groupby(plan)],
@@ -162,7 +164,8 @@ def _step(
         "predicted": _world_path(hunter, predicted),
         "aimed": _aimed(predicted, target),
         "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
-        "bars": {**_bars(row, settings), "within": whiskers(row, model, previous)},
+        "bars": {**_bars(row, settings), "within": whiskers(answer)},
+        "opened": None if answer is None else opened(answer),
         "energy": number(row["energy"]) if "energy" in row else None, "falls": int(row.get("falls", 0)),
     }  # fmt: skip
 

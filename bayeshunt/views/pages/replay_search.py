@@ -11,11 +11,12 @@ from bayeshunt.core.units import objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.pages.page import number
 from bayeshunt.views.sheets.sheet import bounds
 
-__all__ = ["colours", "considered", "realised", "whiskers"]
+__all__ = ["asked_again", "colours", "considered", "realised", "whiskers"]
 
 _TENTHS = 10_000.0  # 0.1 mm and 0.1 mrad are finer than a screen can show
 
@@ -76,20 +77,21 @@ def realised(row: dict[str, Any], episode: Episode, duration: float) -> float | 
     return number(objective(gap, what)[0])
 
 
-def whiskers(row: dict[str, Any], model: ForwardModel | None, previous: str | None) -> list[list[Any]] | None:
-    """Return low and high end of every P(Gait | target), and both in words; None where nobody can say.
-
-    The target is asked again of the model; an answer that is not the recorded one has no whiskers.
-    """
-    if model is None or not model.has_counts or row["posterior"] is None or not np.isfinite(row["target_distance"]):
+def asked_again(row: dict[str, Any], model: ForwardModel | None, previous: str | None) -> Posterior | None:
+    """Return the answer that a decision rests on, asked of the model again; None if it is not the recorded one."""
+    if model is None or row["posterior"] is None or not np.isfinite(row["target_distance"]):
         return None
     inverse = InverseModel(model).after(previous)
     answer = inverse.posterior(float(row["target_distance"]), float(row["target_angle"]))
-    if not np.allclose(answer.values, row["posterior"], atol=1e-9):
+    return answer if np.allclose(answer.values, row["posterior"], atol=1e-9) else None
+
+
+def whiskers(answer: Posterior | None) -> list[list[Any]] | None:
+    """Return low and high end of every P(Gait | target), and both in words; None where nobody can say."""
+    if answer is None or not answer.model.has_counts:
         return None
-    return [
-        [number(low, 4), number(high, 4), bounds(low, high)] for low, high in grounds.within(answer.interval()).values()
-    ]
+    ends = grounds.within(answer.interval()).values()
+    return [[number(low, 4), number(high, 4), bounds(low, high)] for low, high in ends]
 
 
 def colours(episode: Episode) -> dict[str, str]:

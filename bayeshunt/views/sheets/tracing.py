@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bayeshunt.core.units import label
-from bayeshunt.episodes.tracing import Trace
-from bayeshunt.views.sheets.sheet import Note, Sheet, Table
+from bayeshunt.core.units import degrees, label, length
+from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
+from bayeshunt.views.sheets.sheet import Note, Part, Sheet, Table
 
-__all__ = ["trace"]
+__all__ = ["cell", "plan", "trace"]
+
+
+_MOST_ROWS = 20  # of a cell, in its sheet
 
 
 def trace(opened: Trace) -> Sheet:
@@ -37,3 +40,46 @@ def trace(opened: Trace) -> Sheet:
             ),
         ],
     )
+
+
+def cell(opened: CellTrace) -> Sheet:
+    """Return the rule of a cell with its numbers, and the rows behind it where the model holds them."""
+    note = Note("trace.rows() gives the babbled rows behind the cell.")
+    shown = None
+    if opened.model.has_counts and len(opened.model.data):
+        rows = opened.rows()
+        columns = [name for name in ("distance", "angle", "heading") if name in rows]
+        lines = [
+            [str(at), *(length(float(row[c])) if c == "distance" else degrees(float(row[c])) for c in columns)]
+            for at, row in rows.head(_MOST_ROWS).iterrows()
+        ]
+        left = len(rows) - len(lines)
+        shown = Table(["row", *columns], lines, left_out=f"and {left} more" if left > 0 else "")
+    return Sheet(f"Trace of a cell of P({opened.variable})", "", [("formula", opened.formula)], [shown, note])
+
+
+def plan(opened: PlanTrace) -> Sheet:
+    """Return what a plan's value is made of, its branch, and the best and worst under each first gait."""
+    value = next(name for name in ("value_m", "value_s", "value") if name in opened.branch)
+    factor, unit = (1000.0, "mm") if value == "value_m" else (1.0, "s" if value == "value_s" else "")
+    branch = [[str(row.get("gait") or "now"), f"{factor * row[value]:.4g}"] for row in opened.branch.to_dict("records")]
+    rest = [
+        [str(gait), int(row["nodes"]), f"{factor * row['least']:.4g}", f"{factor * row['greatest']:.4g}"]
+        for gait, row in opened.alternatives.iterrows()
+    ]
+    lit = frozenset(
+        {list(opened.alternatives.index).index(opened.gait)} if opened.gait in opened.alternatives.index else ()
+    )
+    parts: list[Part | None] = [
+        Table(["branch", f"value [{unit}]" if unit else "value"], branch),
+        Table(["first gait", "nodes", "least", "greatest"], rest, lit),
+    ]
+    if opened.model is not None:
+        cells = [
+            [c["given"].removeprefix("Gait = "), c["variable"], label(c["state"]), f"{c['probability']:.4g}",
+             "unknown" if pd.isna(c["count"]) else f"{c['count']} of {c['rows']}"]
+            for c in opened.cells.to_dict("records")
+        ]  # fmt: skip
+        parts.append(Table(["gait", "table of", "likeliest", "probability", "rows"], cells, words=frozenset({0, 1, 2})))
+    parts.append(Note("trace.rows(gait) gives the babbled rows that a gait's outcomes are drawn from."))
+    return Sheet(f"Trace of the decision for {opened.gait}", "", [("formula", opened.formula)], parts)

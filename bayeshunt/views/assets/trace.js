@@ -1,0 +1,111 @@
+/* Where a number comes from: one panel at the side, with a breadcrumb from the number down to the rows. Its contents
+   are those of views/opened.py. Text is set as text, never as markup. */
+
+class TracePanel {
+  /* place: an element; the panel is put into it and shown when something is opened. */
+  constructor(place) {
+    this.panel = this.add("aside", "bh-trace", place);
+    this.panel.hidden = true;
+    this.panel.setAttribute("role", "region");
+    this.panel.setAttribute("aria-label", "Where a number comes from");
+    const head = this.add("div", "head", this.panel);
+    this.crumbs = this.add("ol", "crumbs", this.add("nav", "", head));
+    this.crumbs.parentElement.setAttribute("aria-label", "Way down to the rows");
+    const close = this.add("button", "close", head, "Close");
+    close.type = "button";
+    close.addEventListener("click", () => this.close());
+    this.body = this.add("div", "body", this.panel);
+    this.panel.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.close();
+      event.stopPropagation(); // the keys of what lies behind rest
+    });
+  }
+
+  add(name, className, parent, text) {
+    const node = document.createElement(name);
+    if (className) node.className = className;
+    if (text !== undefined) node.textContent = text;
+    parent.append(node);
+    return node;
+  }
+
+  close() {
+    this.panel.hidden = true;
+    if (this.from && this.from.isConnected) this.from.focus();
+  }
+
+  /* Show the last of some levels, each { title, fill(body) }. */
+  show(levels) {
+    const active = document.activeElement;
+    if (this.panel.hidden || !this.panel.contains(active)) this.from = active;
+    this.panel.hidden = false;
+    this.crumbs.replaceChildren();
+    levels.forEach(({ title }, i) => {
+      const item = this.add("li", "", this.crumbs), button = this.add("button", "", item, title);
+      button.type = "button";
+      if (i === levels.length - 1) button.setAttribute("aria-current", "page");
+      button.addEventListener("click", () => this.show(levels.slice(0, i + 1)));
+    });
+    this.body.replaceChildren();
+    levels[levels.length - 1].fill(this.body);
+    this.crumbs.lastElementChild.firstElementChild.focus();
+  }
+
+  /* An answer and one of its gaits; `before` is what it is an answer of, as { title, fill }. */
+  open(opened, gait, before = []) {
+    const g = opened.gaits.indexOf(gait), product = (k) => opened.factors.reduce((all, values) => all * values[k], 1);
+    const whole = opened.gaits.reduce((sum, _, k) => sum + product(k), 0), digits = (p) => String(Number(p.toPrecision(6)));
+    const named = (v) => (v ? `${opened.variables[v]} ${opened.states[v]}` : "P(Gait)");
+    const level = { title: `P(${gait})` };
+    level.fill = (body) => {
+      const parts = opened.factors.map((values) => digits(values[g])).join(" × ");
+      this.add("p", "formula", body, `P(${gait} | ${opened.variables.slice(1).join(", ")}) = ${parts} / ${digits(whole)} = ${digits(product(g) / whole)}`);
+      this.table(body, ["factor", "P", "rows"], opened.variables.map((_, v) => [
+        v ? `P(${named(v)} | ${gait})` : "P(Gait)", digits(opened.factors[v][g]), opened.counts ? String(opened.counts[v][g]) : "unknown",
+      ]), (v) => this.show([...before, level, this.cell(opened, v, g, named(v))]));
+      this.add("p", "", body, "Every gait:");
+      this.table(body, ["gait", "product", "share"], opened.gaits.map((name, k) => [name, digits(product(k)), digits(product(k) / whole)]),
+        (k) => this.open(opened, opened.gaits[k], before));
+    };
+    this.show([...before, level]);
+  }
+
+  /* A cell of a table: its count and, where they are held, its rows. */
+  cell(opened, v, g, title) {
+    return {
+      title,
+      fill: (body) => {
+        const gait = opened.gaits[g], count = opened.counts && opened.counts[v][g];
+        const total = opened.counts && opened.counts[0][g], p = String(Number(opened.factors[v][g].toPrecision(6)));
+        this.add("p", "formula", body, !opened.counts ? `${p}: given, nobody counted`
+          : v ? `${p}: ${count} of ${total} rows of ${gait}` : `${p}: ${count} rows of ${gait}`);
+        const rows = opened.rows && gait === opened.best ? opened.rows[v] : null;
+        if (!rows) {
+          this.add("p", "", body, opened.counts ? `In Python: model.rows("${v ? opened.variables[v] : "Gait"}", ...) gives them.` : "");
+          return;
+        }
+        this.table(body, rows.columns, rows.lines);
+        if (rows.count > rows.lines.length) this.add("p", "", body, `and ${rows.count - rows.lines.length} more rows`);
+      },
+    };
+  }
+
+  /* A table; act(i), where given, is what a click on the first cell of a row does. */
+  table(body, heads, lines, act) {
+    const table = this.add("table", "", body), row = this.add("tr", "", this.add("thead", "", table));
+    for (const head of heads) this.add("th", "", row, head).scope = "col";
+    const rows = this.add("tbody", "", table);
+    lines.forEach((cells, i) => {
+      const line = this.add("tr", "", rows);
+      cells.forEach((cell, k) => {
+        const place = this.add(k ? "td" : "th", "", line, !k && act ? undefined : cell);
+        if (k) return;
+        place.scope = "row";
+        if (!act) return;
+        const button = this.add("button", "", place, cell);
+        button.type = "button";
+        button.addEventListener("click", () => act(i));
+      });
+    });
+  }
+}
