@@ -41,7 +41,7 @@ SCRIPTS = ("units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.
 
 @checked
 def write_replay(
-    episode: Episode | Sequence[Episode],
+    episode: Any,
     path: str | os.PathLike[str],
     *,
     model: ForwardModel | None = None,
@@ -53,10 +53,11 @@ def write_replay(
 
 
 def replay_html(
-    episode: Episode | Sequence[Episode], *, model: ForwardModel | None = None, source: Sequence[str] = ()
+    episode: Any, *, model: ForwardModel | None = None, source: Sequence[str] = ()
 ) -> str:
     """Return a self-contained page that plays ``episode``, or several in step: of one seed they start alike.
 
+    episode: an Episode, or a list of them.
     model: where planners that keep no path (reactive, prediction) expect their gait to lead is drawn
         from it, and how sure their posteriors are; without it they show their aim alone.
     source: options of the command shown at the foot, as ``commands.model_option`` gives them.
