@@ -27,6 +27,10 @@ def babble(
     ] = "khepera",
     steps: Annotated[int, typer.Option(help="Number of gaits to execute.")] = 2000,
     seed: Seed = 0,
+    active: Annotated[
+        bool,
+        typer.Option("--active", help="Execute the gait whose next row is expected to tell most, not a random one."),
+    ] = False,
     jobs: Annotated[int, typer.Option(help="Worker processes for more than 100,000 steps; -1: one per core.")] = -1,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -39,6 +43,7 @@ def babble(
     Example:  bayeshunt babble --robot khepera --steps 2000 --seed 0 --out babbling.parquet
     """
     from bayeshunt.config.loading import load_robot
+    from bayeshunt.experiments.studies.active import babble_actively_to_file
     from bayeshunt.experiments.studies.babbling import babble_to_file, kept_rows
     from bayeshunt.views.terminal import terminal
 
@@ -49,7 +54,10 @@ def babble(
         return f"{rows:,} of {steps:,} rows are kept in {out}.shards; give the same line again to go on"
 
     with stoppable(kept), terminal.progress_bar("babbling", max(steps, 0), quiet=quiet or as_json) as advance:
-        gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
+        if active:
+            gaits = babble_actively_to_file(robot, steps, seed, out, progress=advance)
+        else:
+            gaits = babble_to_file(robot, steps, seed, out, jobs=jobs, progress=advance)
     facts = {"out": str(out), "rows": steps, "gaits": gaits, "seed": seed}
     following, all_gaits = f"bayeshunt fit {shlex.quote(str(out))} --out model.json", len(load_robot(robot).gait)
     if len(gaits) < all_gaits:

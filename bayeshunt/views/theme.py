@@ -83,6 +83,7 @@ _RULES = """
 .bh .bh-heat td:has(label){padding:0}
 .bh .bh-heat label{display:block;padding:2px 8px;cursor:pointer}
 .bh .bh-heat label input{appearance:none;width:0;height:0;margin:0;padding:0;border:0;outline:0;vertical-align:top}
+.bh .bh-signed .bh-marked{outline:2px solid var(--bh-ink);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
 @media(max-width:620px){.bh .bh-readout{padding-bottom:42px}}
 .bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);

@@ -16,7 +16,7 @@ from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSetting
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_callable, check_whole
 from bayeshunt.core.gaits import Gait
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.core.protocols import World
 from bayeshunt.data.babbling_table import PROVENANCE_KEY, path_column_names
 from bayeshunt.worlds.registry import BOX2D, make_world
@@ -37,6 +37,7 @@ def babble(
     physics: PhysicsSettings | None = None,
     progress: Callable[[int], None] | None = None,
     world: str = BOX2D,
+    choose: Callable[[tuple[int, Polar] | None], int] | None = None,
 ) -> pd.DataFrame:
     """Return the babbling table of ``steps`` gaits, momentum carried from each to the next.
 
@@ -47,6 +48,8 @@ def babble(
 
     robot: preset name, TOML path or settings. progress: called with 1 after every step.
     world: name of the world it babbles in, "box2d" or a registered one.
+    choose: called before every step with the gait before (its number) and where it led, None at first; returns the
+        number of the gait to execute. None: in random order.
     Raises InputError if ``steps`` or ``seed`` is not a whole number in range, or there is no such world.
     """
     robot = load_robot(robot)
@@ -60,13 +63,21 @@ def babble(
     alone.reset({HUNTER: Pose(0.0, 0.0, 0.0)}, {HUNTER: noise})
     executed, energy = np.empty((steps, PATH_INTERVALS, 3)), np.empty(steps)
     counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
-    for row, gait in enumerate(order.tolist()):
+    check_callable(choose, "choose", "a function of the gait before and where it led")
+    end = Pose(0.0, 0.0, 0.0)
+    for row in range(steps):
+        if choose is not None:
+            order[row] = choose((int(order[row - 1]), Pose(0.0, 0.0, 0.0).relative(end)) if row else None)
+        gait = int(order[row])
         spent = alone.bodies[HUNTER].energy
-        executed[row] = _execute(alone, gaits[gait], physics.step, counts)
+        poses = _execute(alone, gaits[gait], physics.step, counts)
+        executed[row], end = poses, poses[-1]
         energy[row] = alone.bodies[HUNTER].energy - spent
         if progress is not None:
             progress(1)
     record = provenance(robot, physics, steps, seed, alone.identity)
+    if choose is not None:
+        record["chosen"] = "by what came before"
     alone.close()
     return table_of(robot.gaits.names, order, executed, record, energy if energy.any() else None)
 

@@ -94,3 +94,53 @@ def test_what_to_babble_next_as_by_drawing_the_tables():
         assert found[gait] == pytest.approx(expected, rel=0.03)
     assert found.index[0] == "slow"  # the fewest rows
     assert isinstance(found, pd.Series)
+
+
+def test_what_each_coordinate_answers_before_and_after():
+    one = fitted(prior=0.1)
+    assert not bh.compare(one, one).answers["changed"].any()
+    rows = babbled(600, 1)
+    swapped = rows.assign(gait=rows["gait"].replace({"left": "right", "right": "left"}))
+    two = bh.ForwardModel.fit(swapped, repertoire(), 0.1)
+    answers = bh.compare(one, two).answers
+    for place in answers.to_dict("records"):
+        at = (place["distance"], place["angle"])
+        assert place["before"] == bh.InverseModel(one).posterior(*at).best
+        assert place["after"] == bh.InverseModel(two).posterior(*at).best
+    assert answers["changed"].any()
+
+
+def test_a_comparison_and_a_learning_become_pages(tmp_path):
+    found = bh.compare(fitted(seed=1), fitted(seed=5, noise=0.4))
+    learning = bh.Learning(babbled(120, 2), repertoire(), 0.1)
+    for thing, name in ((found, "compare.html"), (learning, "learning.html")):
+        thing.save(tmp_path / name)
+        html = (tmp_path / name).read_text(encoding="utf-8")
+        assert "default-src 'none'" in html
+        assert "http://" not in html.replace("http://www.w3.org/", "")
+        assert str(thing).splitlines()[0] in html or name == "learning.html"
+    with pytest.raises(InputError, match=r"name it .*\.html"):
+        learning.save(tmp_path / "learning.csv")
+
+
+def test_intervals_shrink_as_rows_come():
+    learning = bh.Learning(babbled(400, 2), repertoire(), 0.1)
+    widths = learning.widths([40, 100, 400])["width"].to_numpy()
+    assert (np.diff(widths) < 0).all()
+    table = learning.model(40).table("Distance")
+    held = table.count.to_numpy() > 0
+    spans = [
+        (t.high - t.low).to_numpy()[t.count.to_numpy() > 0]
+        for t in (learning.model(40).table(v) for v in ("Distance", "Angle", "Heading"))
+    ]
+    assert held.any()
+    assert widths[0] == pytest.approx(np.concatenate(spans).mean())
+
+
+def test_the_cells_of_rows_count_to_the_model():
+    learning = bh.Learning(babbled(200, 2), repertoire(), 0.1)
+    cells, axes = learning.cells(150)
+    assert len(cells) == 150
+    counts = np.zeros((axes.angle.bins, len(repertoire())), dtype=int)
+    np.add.at(counts, (cells[:, 2], cells[:, 0]), 1)
+    np.testing.assert_array_equal(counts, learning.model(150).counts("Angle"))

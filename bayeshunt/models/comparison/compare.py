@@ -7,8 +7,10 @@ Construction of confidence limits about effect measures, Statistics in Medicine 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -18,6 +20,7 @@ from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.tables.structures import Edge
 
 __all__ = ["Comparison", "compare"]
@@ -30,6 +33,7 @@ class Comparison:
     difference, low, high: variable -> P of the second less P of the first, rows = bins, columns = gaits, and the ends
         of its interval at ``level`` (NaN where nobody knows: an imported network, a P(Gait) that was set).
     edges_added, edges_removed: (parent, child) of the second model alone, of the first alone.
+    models: the two.
     """
 
     difference: Mapping[str, pd.DataFrame]
@@ -38,6 +42,23 @@ class Comparison:
     level: float
     edges_added: tuple[Edge, ...]
     edges_removed: tuple[Edge, ...]
+    models: tuple[ForwardModel, ForwardModel]
+
+    @cached_property
+    def answers(self) -> pd.DataFrame:
+        """A row per (Distance, Angle) cell that either model learned: distance, angle, before, after, changed.
+
+        before, after: each model's most probable gait there, its own nearest learned cell answering where it learned
+        none. changed: whether they differ. Of models of structure "previous_gait" the gait before is summed over.
+        """
+        first, second = (InverseModel(model) for model in self.models)
+        cells = np.unique(np.concatenate([model.learned_cells for model in self.models]), axis=0)
+        axes = max((model.axes for model in self.models), key=lambda grid: grid.distance.bins)
+        distance, angle = axes.distance.centres[cells[:, 0]], axes.angle.centres[cells[:, 1]]
+        names = np.array(first.model.gaits.names, dtype=object)
+        best = [names[one.posterior_many(distance, angle).argmax(axis=1)] for one in (first, second)]
+        frame = pd.DataFrame({"distance": distance, "angle": angle, "before": best[0], "after": best[1]})
+        return frame.assign(changed=frame["before"] != frame["after"])
 
     @property
     def marked(self) -> dict[str, pd.DataFrame]:
@@ -65,6 +86,10 @@ class Comparison:
         """Share of all cells whose interval excludes 0."""
         marks = [marked.to_numpy().ravel() for marked in self.marked.values()]
         return float(np.concatenate(marks).mean())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the comparison as one HTML page, replaced atomically."""
+        displays.save(self, path)
 
     def __repr__(self) -> str:
         total = sum(frame.size for frame in self.difference.values())
@@ -104,7 +129,7 @@ def compare(a: ForwardModel, b: ForwardModel, level: float = 0.95) -> Comparison
     added, removed = (
         tuple(e for e in one.structure.edges if e not in other.structure.edges) for one, other in ((b, a), (a, b))
     )
-    return Comparison(difference, low, high, level, added, removed)
+    return Comparison(difference, low, high, level, added, removed, (a, b))
 
 
 def _table(model: ForwardModel, variable: str, labels: list[str], level: float) -> tuple[pd.DataFrame, ...]:

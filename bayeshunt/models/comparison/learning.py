@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import math
+import os
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core import displays
 from bayeshunt.core.bins import EFFECTS, EffectAxes
 from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.data import babbling_table
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.comparison.information import expected_bits
 from bayeshunt.models.counting.backoff import PRIOR
 from bayeshunt.models.counting.measures import measured
 
@@ -65,6 +67,29 @@ class Learning:
             rows.append((n, int((model.joint.marginal("Gait") > 0).sum()), cells, n / cells))
         return pd.DataFrame(rows, columns=["n", "gaits", "coordinates", "rows_each"])
 
+    def widths(self, at: Sequence[int] | None = None, level: float = 0.95) -> pd.DataFrame:
+        """Return how unsure the tables were after n rows: n, width (mean of the intervals of cells that hold rows).
+
+        at: numbers of rows; None: about 20, evenly spread.
+        """
+        rows = []
+        for n in self._steps(at, len(self)):
+            model = self._smoothed(self._first(n), None)
+            spans = []
+            for effect in EFFECTS:
+                table = model.table(effect, level)
+                if table.count is not None and table.low is not None and table.high is not None:
+                    spans.append((table.high - table.low).to_numpy()[table.count.to_numpy() > 0])
+            rows.append((n, float(np.concatenate(spans).mean())))
+        return pd.DataFrame(rows, columns=["n", "width"])
+
+    def cells(self, most: int | None = None) -> tuple[np.ndarray, EffectAxes]:
+        """Return the bins that the first ``most`` rows (None: all) fell into, int64 [N, 4]: gait, Distance, Angle,
+        Heading; and the axes that hold them."""
+        rows = self.frame if most is None else self.frame.iloc[:most]
+        model = self._smoothed(rows, None)
+        return babbling_table.discretise(rows, self.gaits, model.axes), model.axes
+
     def log_loss(self, at: Sequence[int] | None = None, *, every: int = 5) -> pd.DataFrame:
         """Return how well the first rows foretell rows held out: n, log_loss [nat per row], less is better.
 
@@ -86,22 +111,24 @@ class Learning:
     def babble_next(self, n: int | None = None) -> pd.Series:
         """Return the bits that one more row of each gait is expected to tell of its tables; most first.
 
-        n: after so many rows; None: all. Of a column Dirichlet(w), W = sum w, the expected information is
-        ``H(w / W) - E H(theta)``, with ``E H(theta) = psi(W + 1) - sum_k w_k / W psi(w_k + 1)``; the effects add up.
-        The pseudo-count is the model's prior, at prior 0 it is 1/K a cell.
+        n: after so many rows; None: all. The effects add up; see :func:`~bayeshunt.models.comparison.information
+        .expected_bits`. The pseudo-count is the model's prior, at prior 0 it is 1/K a cell.
         """
-        from scipy.special import psi, xlogy
-
         model = self._smoothed(self.frame if n is None else self._first(n), None)
-        bits = np.zeros(len(self.gaits))
-        for effect in EFFECTS:
-            counts = model.joint.marginal(effect)
-            weights = counts + (self.prior or 1.0 / len(counts))
-            total = weights.sum(axis=0)
-            shares = weights / total
-            bits += -xlogy(shares, shares).sum(axis=0) - psi(total + 1) + (shares * psi(weights + 1)).sum(axis=0)
-        found = pd.Series(bits / math.log(2), index=pd.Index(self.gaits.names, name="Gait"), name="bits")
+        tables = [model.joint.marginal(effect) for effect in EFFECTS]
+        bits = sum(expected_bits(counts, self.prior or 1.0 / len(counts)) for counts in tables)
+        found = pd.Series(bits, index=pd.Index(self.gaits.names, name="Gait"), name="bits")
         return found.sort_values(ascending=False, kind="stable")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it as one HTML page with a slider over the rows, replaced atomically."""
+        displays.save(self, path)
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
     def __repr__(self) -> str:
         return f"<Learning: {len(self)} rows of {len(self.gaits)} gaits>"

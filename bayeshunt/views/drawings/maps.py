@@ -154,7 +154,7 @@ def inverse_map(inverse: InverseModel) -> Html:
         else:
             hint = f"{names[gait]} in {int((best[members] == gait).sum())} of {len(members)} coordinates"
         place = f"{length(first['distance'])}, {true_minus(degrees(first['angle']))}"
-        parts.append(_sector(window, reach, angle, colours[gait], f"{place}: {hint}"))
+        parts.append(sector(window, reach, angle, colours[gait], f"{place}: {hint}"))
     parts += [window.robot(0, 0, math.pi / 2, svg.INK, "robot", 8), window.ruler()]
     return svg.drawing(window.width, window.height, *parts, label="Most probable gait of every learned coordinate")
 
@@ -181,13 +181,14 @@ def gait_key(model: ForwardModel) -> Html:
     return tag("div", *rows)
 
 
-def _sector(window: Window, reach: np.ndarray, angle: np.ndarray, colour: str, hint: str) -> Html:
-    """An annular sector between two distances and two angles, clockwise from up."""
+def sector(window: Window, reach: np.ndarray, angle: np.ndarray, colour: str, hint: str, **outline: Any) -> Html:
+    """Return an annular sector between two distances [m] and two angles [rad], clockwise from up."""
     (near, far), edges = reach, angle
     corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
                ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"
-    return tag("path", tag("title", hint), d=path, fill=colour, stroke=svg.FAINT, stroke_width=0.6)
+    outline = outline or {"stroke": svg.FAINT, "stroke_width": 0.6}
+    return tag("path", tag("title", hint), d=path, fill=colour, **outline)
 
 
 def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:

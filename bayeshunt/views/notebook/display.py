@@ -19,12 +19,15 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.models.comparison.compare import Comparison
+from bayeshunt.models.comparison.learning import Learning
 from bayeshunt.models.inference.network import Network
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Plan, Shown
+from bayeshunt.views.pages.learning import learning_html
 from bayeshunt.views.pages.network import network_html
-from bayeshunt.views.sheets import assessment, comparison, models, network, plans, settings, tables, tracing
+from bayeshunt.views.pages.sheet import sheet_html
+from bayeshunt.views.sheets import assessment, comparison, learning, models, network, plans, settings, tables, tracing
 from bayeshunt.views.sheets.sheet import Sheet
 
 __all__ = ["bundle", "save", "sheet", "to_html", "to_text", "widget"]
@@ -74,6 +77,8 @@ def page(thing: Any) -> str:
 
 
 page.register(Network, network_html)
+page.register(Learning, learning_html)
+page.register(Comparison, lambda found: sheet_html(comparison.comparison(found)))
 
 
 @singledispatch
@@ -91,6 +96,7 @@ for _kind, _sheet in (
     (Plan, plans.plan),
     (Episode, plans.episode),
     (Network, network.network),
+    (Learning, learning.learning),
     (Comparison, comparison.comparison),
     (Trace, tracing.trace),
     (CellTrace, tracing.cell),

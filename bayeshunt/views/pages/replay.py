@@ -52,9 +52,7 @@ def write_replay(
     write_text(path, replay_html(episode, model=model, source=source))
 
 
-def replay_html(
-    episode: Any, *, model: ForwardModel | None = None, source: Sequence[str] = ()
-) -> str:
+def replay_html(episode: Any, *, model: ForwardModel | None = None, source: Sequence[str] = ()) -> str:
     """Return a self-contained page that plays ``episode``, or several in step: of one seed they start alike.
 
     episode: an Episode, or a list of them.

@@ -1,0 +1,158 @@
+"use strict";
+/* A slider over babbled rows: counts what the tables hold after each, and draws it. */
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent), total = data.rows.length / 4;
+  const parts = Object.fromEntries([...document.querySelectorAll("[data-part]")].map((node) => [node.dataset.part, node]));
+  const ink = (name) => getComputedStyle(document.body).getPropertyValue(`--bh-${name}`).trim();
+  const add = (name, parent, text) => {
+    const node = document.createElement(name);
+    if (text !== undefined) node.textContent = text;
+    parent.append(node);
+    return node;
+  };
+  const svg = (name, attributes, parent) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    parent.append(node);
+    return node;
+  };
+  const G = data.gaits.length;
+  let counts, totals, shown = 0, playing = 0;
+
+  const heats = data.tables.map(({ name, labels }, t) => {
+    add("h3", parts.tables, name);
+    const canvas = add("canvas", parts.tables);
+    canvas.className = "heat";
+    canvas.setAttribute("role", "img");
+    [canvas.width, canvas.height] = [labels.length, G];
+    canvas.addEventListener("pointermove", (event) => {
+      const box = canvas.getBoundingClientRect(), bin = Math.floor(((event.clientX - box.left) / box.width) * labels.length);
+      const gait = Math.floor(((event.clientY - box.top) / box.height) * G);
+      if (bin in labels && gait in data.gaits)
+        parts.cell.textContent = `${name} ${labels[bin]}, ${data.gaits[gait]}: ${counts[t][bin * G + gait]} of ${totals[gait]} rows`;
+    });
+    return canvas;
+  });
+
+  const curves = data.curves.map(({ name, at, values }) => {
+    const head = add("h3", parts.curves, name), picture = svg("svg", { viewBox: "0 0 100 40", preserveAspectRatio: "none", "aria-hidden": "true" }, parts.curves);
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    const y = (value) => 38 - (36 * (value - low)) / Math.max(high - low, 1e-12), x = (n) => (100 * (n - 1)) / Math.max(total - 1, 1);
+    svg("line", { class: "axis", x1: 0, x2: 100, y1: 39, y2: 39 }, picture);
+    svg("polyline", { points: at.map((n, i) => `${x(n).toFixed(2)},${y(values[i]).toFixed(2)}`).join(" ") }, picture);
+    const now = svg("line", { y1: 0, y2: 40 }, picture);
+    return (n) => {
+      const i = Math.max(0, at.findLastIndex((m) => m <= n));
+      head.textContent = `${name}: ${Number(values[i].toPrecision(4))} after ${at[i]} rows`;
+      now.setAttribute("x1", x(n));
+      now.setAttribute("x2", x(n));
+    };
+  });
+
+  const bars = data.gaits.map((gait) => {
+    const row = add("tr", parts.next), head = add("th", row, gait), cell = add("td", row), bar = add("div", cell);
+    head.scope = "row";
+    cell.className = "bar";
+    return { row, bar, value: add("td", row) };
+  });
+
+  /* Count on from where we are; from the start if that is behind us. */
+  function count(n) {
+    if (!counts || n < shown) {
+      counts = data.tables.map(({ labels }) => new Int32Array(labels.length * G));
+      totals = new Int32Array(G);
+      shown = 0;
+    }
+    for (; shown < n; shown += 1) {
+      const [gait, ...bins] = data.rows.slice(4 * shown, 4 * shown + 4);
+      totals[gait] += 1;
+      bins.forEach((bin, t) => { counts[t][bin * G + gait] += 1; });
+    }
+  }
+
+  function drawHeat(canvas, table) {
+    const g = canvas.getContext("2d"), bar = ink("bar"); // #rrggbb
+    const colour = [1, 3, 5].map((at) => parseInt(bar.slice(at, at + 2), 16));
+    const image = g.createImageData(canvas.width, G);
+    for (let bin = 0; bin < canvas.width; bin += 1)
+      for (let gait = 0; gait < G; gait += 1) {
+        const share = totals[gait] ? table[bin * G + gait] / totals[gait] : 0, at = 4 * (gait * canvas.width + bin);
+        image.data.set([...colour, 255 * Math.sqrt(share)], at);
+      }
+    g.putImageData(image, 0, 0);
+  }
+
+  function drawMap(n) {
+    const box = parts.map.getBoundingClientRect(), ratio = window.devicePixelRatio || 1, g = parts.map.getContext("2d");
+    [parts.map.width, parts.map.height] = [Math.round(box.width * ratio), Math.round(box.height * ratio)];
+    const size = Math.min(parts.map.width, parts.map.height) / 2, far = data.tables[0].labels.length, turn = (2 * Math.PI) / data.tables[1].labels.length;
+    const seen = new Map();
+    for (let i = 0; i < n; i += 1) {
+      const key = data.rows[4 * i + 1] * 1000 + data.rows[4 * i + 2];
+      seen.set(key, (seen.get(key) || 0) + 1);
+    }
+    g.translate(parts.map.width / 2, parts.map.height / 2);
+    g.strokeStyle = ink("line");
+    for (const share of [0.25, 0.5, 0.75, 1]) {
+      g.beginPath();
+      g.arc(0, 0, share * size, 0, 2 * Math.PI);
+      g.stroke();
+    }
+    g.fillStyle = ink("hunter");
+    for (const [key, times] of seen) {
+      const [distance, angle] = [Math.floor(key / 1000), key % 1000];
+      const from = (angle - Math.floor(data.tables[1].labels.length / 2) - 0.5) * turn - Math.PI / 2;
+      g.globalAlpha = Math.min(1, 0.25 + 0.15 * Math.log2(times + 1));
+      g.beginPath();
+      g.arc(0, 0, ((distance + 1) / far) * size, from, from + turn);
+      g.arc(0, 0, (distance / far) * size, from + turn, from, true);
+      g.fill();
+    }
+    g.globalAlpha = 1;
+    parts.map.setAttribute("aria-label", `Coverage map: ${seen.size} coordinates reached`);
+  }
+
+  function show() {
+    const n = Number(parts.n.value);
+    count(n);
+    parts.said.textContent = `${n} of ${total} rows; ${totals.filter((rows) => rows > 0).length} of ${G} gaits babbled`;
+    heats.forEach((canvas, t) => {
+      drawHeat(canvas, counts[t]);
+      canvas.setAttribute("aria-label", `${data.tables[t].name}: ${counts[t].filter((c) => c > 0).length} cells hold rows`);
+    });
+    drawMap(n);
+    curves.forEach((curve) => curve(n));
+    const bits = data.next[Math.max(0, data.at.findLastIndex((m) => m <= n))], most = Math.max(...bits);
+    bars.forEach(({ row, bar, value }, i) => {
+      bar.style.width = `${(100 * bits[i]) / most}%`;
+      value.textContent = bits[i].toFixed(3);
+      row.classList.toggle("best", bits[i] >= most - 1e-9);
+    });
+  }
+
+  function play() {
+    if (playing) {
+      cancelAnimationFrame(playing);
+      playing = 0;
+      parts.play.textContent = "Play";
+      return;
+    }
+    if (Number(parts.n.value) >= total) parts.n.value = 1;
+    parts.play.textContent = "Pause";
+    const go = () => {
+      parts.n.value = Number(parts.n.value) + Math.max(1, Math.round(total / 600));
+      show();
+      if (Number(parts.n.value) >= total) play();
+      else playing = requestAnimationFrame(go);
+    };
+    playing = requestAnimationFrame(go);
+  }
+
+  parts.n.max = total;
+  parts.n.value = total;
+  parts.n.addEventListener("input", show);
+  parts.play.addEventListener("click", play);
+  new ResizeObserver(show).observe(parts.map.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
+  show();
+})();
