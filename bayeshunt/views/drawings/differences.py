@@ -74,7 +74,7 @@ def answers_map(found: Comparison, *, after: bool) -> Html:
 
 
 def _sector(
-    window: Window, one: dict[str, Any], wide: float, turn: float, colours: dict[str, str], after: bool
+    window: Window, one: dict[Any, Any], wide: float, turn: float, colours: dict[str, str], after: bool
 ) -> Html:
     distance, angle = float(one["distance"]), float(one["angle"])
     gait = str(one["after" if after else "before"])
