@@ -114,7 +114,8 @@ def say_chosen(settings: Any, preset: str | None, config: Path | None, model: Pa
 def count_hunts(settings: Any, planners: Sequence[str], arenas: Sequence[str] | None) -> int:
     """Return how many hunts an evaluation has; arenas None: the settings'."""
     protocol = settings.protocol
-    return len(protocol.thetas) * protocol.runs * len(planners) * len(arenas or settings.arenas)
+    found: int = len(protocol.thetas) * protocol.runs * len(planners) * len(arenas or settings.arenas)
+    return found
 
 
 def parse_overrides(given: list[str] | None) -> dict[str, Any]:

@@ -173,7 +173,7 @@ class Output:
 def remembered_output() -> Iterator[Output | None]:
     """Let standard output be an :class:`Output` within the block; None if the command was started without one."""
     before, output = sys.stdout, None if sys.stdout is None else Output(sys.stdout)
-    sys.stdout = output  # type: ignore[assignment]
+    sys.stdout = output
     try:
         yield output
     finally:

@@ -142,7 +142,8 @@ def balanced_order(gaits: int, steps: int, rng: np.random.Generator) -> np.ndarr
 def interval_steps(total: int) -> list[int]:
     """Return the physics steps in each of the part-way intervals; they add up to ``total``, some may be 0."""
     edges = np.linspace(0, total, PATH_INTERVALS + 1).round().astype(int)
-    return np.diff(edges).tolist()
+    found: list[int] = np.diff(edges).tolist()
+    return found
 
 
 def provenance(

@@ -127,7 +127,7 @@ def _backend(jobs: int, scheduler: str | None) -> Iterator[dict[str, Any]]:
     with contextlib.ExitStack() as stack:
         address = scheduler if scheduler != LOCAL else stack.enter_context(_local_cluster(jobs))
         try:
-            client = stack.enter_context(Client(address, timeout=_PATIENCE, set_as_default=False))
+            client = stack.enter_context(Client(address, timeout=_PATIENCE, set_as_default=False))  # type: ignore[no-untyped-call]
         except (OSError, ValueError) as error:
             reason = (str(error).splitlines() or [type(error).__name__])[0]
             raise InputError(f"scheduler {scheduler}: no dask scheduler answers there ({reason})") from None
@@ -139,7 +139,7 @@ def _local_cluster(jobs: int) -> Any:
     from distributed import LocalCluster
 
     count = jobs if jobs > 0 else os.cpu_count() or 1
-    return LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None)
+    return LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None)  # type: ignore[no-untyped-call]
 
 
 def _is_lost_worker(error: BaseException) -> bool:

@@ -97,7 +97,8 @@ def load_results(folder: str | os.PathLike[str]) -> pd.DataFrame:
         raise DataError(f"{path}: cannot be read as results (another kind of file); {fix}")
     frame = table.to_pandas()
     frame.attrs = record
-    return frame
+    found: pd.DataFrame = frame
+    return found
 
 
 def _missing(folder: Path) -> str:

@@ -95,10 +95,10 @@ def _grid(settings: ExperimentSettings, angles: int, headings: int) -> Grid:
 
 def _chase(settings: ExperimentSettings, seed: int, samples: int) -> Chase:
     robot, prey = settings.robot, settings.prey
-    straight = GaitSettings(name="straight", left=prey.speed, right=prey.speed)  # type: ignore[call-arg]
+    straight = GaitSettings(name="straight", left=prey.speed, right=prey.speed)
     runner = RobotSettings(
         name="prey", gait_duration=robot.gait_duration, body=prey.body, noise=prey.noise, gait=(straight,)
-    )  # type: ignore[call-arg]
+    )
     babbled = babble(robot, 20 * samples * len(robot.gait), seed, physics=settings.physics, world=settings.world)
     ran = babble(runner, samples + 1, seed + 1, physics=settings.physics, world=settings.world)
     hunter = np.stack([_paths(babbled[babbled["gait"] == name], samples) for name in robot.gaits.names])

@@ -98,7 +98,10 @@ class Assessment:
             "structures": self.structures.reset_index().to_dict("records"),
             "edges": {name: [list(edge) for edge in s.edges] for name, s in self.found.items()},
         }
-        return _plain({"settings": self.settings, **tables, "given": self.given, "notes": list(self.notes)})
+        found: dict[str, Any] = _plain(
+            {"settings": self.settings, **tables, "given": self.given, "notes": list(self.notes)}
+        )
+        return found
 
 
 @checked_but("frame", "structures", "model")

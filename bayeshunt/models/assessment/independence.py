@@ -72,7 +72,8 @@ def _expected(counts: np.ndarray) -> np.ndarray:
     """Expected counts [Z, X, Y] under independence: n_x n_y / n in each stratum."""
     x, y = counts.sum(axis=2, keepdims=True), counts.sum(axis=1, keepdims=True)
     totals = x.sum(axis=1, keepdims=True)
-    return np.divide(x * y, totals, out=np.zeros(counts.shape), where=totals > 0)
+    found: np.ndarray = np.divide(x * y, totals, out=np.zeros(counts.shape), where=totals > 0)
+    return found
 
 
 def permuted(rows: CodedRows, x: str, y: str, permutations: int, rng: np.random.Generator) -> np.ndarray:

@@ -88,7 +88,8 @@ class _Predictor:
         """P(effect | causes) [N, S]."""
         causes = self.structure.causes
         table = multiply(self.structure, self.tables, (*causes, effect), self.sizes)
-        return table[tuple(columns[cause] for cause in causes)]
+        found: np.ndarray = table[tuple(columns[cause] for cause in causes)]
+        return found
 
     def gait_posterior(self, columns: dict[str, np.ndarray], *, heading: bool) -> np.ndarray:
         """P(Gait | effects [, PreviousGait]) [N, G]; zeros where no gait could have done it."""
@@ -97,7 +98,8 @@ class _Predictor:
             supposed = {**columns, "Gait": np.full(len(joint), gait)}
             joint[:, gait] = self.probability(supposed) if heading else self._without_heading(supposed)
         totals = joint.sum(axis=1, keepdims=True)
-        return np.divide(joint, totals, out=np.zeros_like(joint), where=totals > 0)
+        found: np.ndarray = np.divide(joint, totals, out=np.zeros_like(joint), where=totals > 0)
+        return found
 
     def _without_heading(self, columns: dict[str, np.ndarray]) -> np.ndarray:
         """P(Distance, Angle | causes) [N]: the heading summed over, one of its states at a time."""
@@ -105,7 +107,10 @@ class _Predictor:
             return self.probability(columns, ("Distance", "Angle"))
         states = range(self.sizes["Heading"])
         number = len(columns["Gait"])
-        return np.sum([self.probability({**columns, "Heading": np.full(number, h)}) for h in states], axis=0)
+        found: np.ndarray = np.sum(
+            [self.probability({**columns, "Heading": np.full(number, h)}) for h in states], axis=0
+        )
+        return found
 
 
 def log_loss(forecast: np.ndarray, happened: np.ndarray) -> float:

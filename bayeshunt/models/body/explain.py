@@ -99,4 +99,5 @@ def _difference(terms: np.ndarray, rivals: np.ndarray) -> np.ndarray:
 
 def _log(probabilities: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore"):
-        return np.log(probabilities)
+        found: np.ndarray = np.log(probabilities)
+        return found

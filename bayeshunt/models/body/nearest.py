@@ -152,7 +152,8 @@ class CellFinder:
         if disputed.size:
             d, a = d[disputed], a[disputed]
             found[disputed] = 1 + self._settle_many(-1 - found[disputed], d, d * np.cos(a), d * np.sin(a))
-        return found - 1
+        places: np.ndarray = found - 1
+        return places
 
     def _rings_of(self, bins: np.ndarray) -> np.ndarray:
         rings = (np.minimum(bins, self._distance.bins) * self._fineness).astype(np.int64)
@@ -161,7 +162,8 @@ class CellFinder:
             mantissa, octave = np.frexp(bins[far])
             steps = (octave.astype(np.int64) - self._first_octave - 1) * _OCTAVE
             rings[far] = self._near_rings + steps + (mantissa * (2 * _OCTAVE)).astype(np.int64)
-        return rings
+        found: np.ndarray = rings
+        return found
 
     def _entry(self, key: int) -> int | list[_Candidate]:
         """What a bucket says: its only cell, or the cells to compare. Remembered."""

@@ -102,7 +102,8 @@ def conditional(counts: np.ndarray, prior: float) -> np.ndarray:
     """
     weights = counts + float(prior)
     totals = weights.sum(axis=0, keepdims=True)
-    return np.divide(weights, totals, out=np.zeros_like(weights), where=totals > 0)
+    found: np.ndarray = np.divide(weights, totals, out=np.zeros_like(weights), where=totals > 0)
+    return found
 
 
 def log_likelihood(counts: np.ndarray) -> float:
@@ -114,7 +115,8 @@ def log_likelihood(counts: np.ndarray) -> float:
 
 def parameters(counts: np.ndarray) -> int:
     """Number of free probabilities of a table [S, ...parents]: (S - 1) for each combination of parents."""
-    return (counts.shape[0] - 1) * int(np.prod(counts.shape[1:]))
+    found: int = (counts.shape[0] - 1) * int(np.prod(counts.shape[1:]))
+    return found
 
 
 def mutual_information(counts: np.ndarray) -> float:

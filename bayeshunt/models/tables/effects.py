@@ -77,7 +77,8 @@ def multiply(
         operands.append(share)
         subscripts.append(_LETTERS[cause])
     expression = ",".join(subscripts) + "->" + "".join(_LETTERS[v] for v in keep)
-    return np.einsum(expression, *operands, optimize="greedy")
+    found: np.ndarray = np.einsum(expression, *operands, optimize="greedy")
+    return found
 
 
 def compile_effects(structure: Structure, joint: JointCounts, prior: float) -> IndependentEffects | JointEffects:
@@ -108,12 +109,14 @@ class IndependentEffects:
     def evidence(self, weights: np.ndarray, distances: Any, angles: Any, headings: Any = None) -> np.ndarray:
         """Return ``weights`` [G] times P(evidence | Gait), [..., G], for arrays of bin numbers."""
         joint = weights * self.local["Distance"][distances] * self.local["Angle"][angles]
-        return joint if headings is None else joint * self.local["Heading"][headings]
+        found: np.ndarray = joint if headings is None else joint * self.local["Heading"][headings]
+        return found
 
     def log_probability(self, cells: np.ndarray) -> np.ndarray:
         """Return log P(Distance, Angle, Heading | Gait) [K] of cells [K, 4]; -inf where it is 0."""
         with np.errstate(divide="ignore"):
-            return sum(np.log(self.local[e][cells[:, 1 + i], cells[:, 0]]) for i, e in enumerate(EFFECTS))
+            found: np.ndarray = sum(np.log(self.local[e][cells[:, 1 + i], cells[:, 0]]) for i, e in enumerate(EFFECTS))
+            return found
 
     def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the poses [...] that ``uniforms`` [..., 6] in [0, 1) choose for one gait."""
@@ -177,23 +180,27 @@ class JointEffects:
         """Return P(effect | Gait), [S, G], the other effects summed over."""
         others = tuple(1 + i for i, name in enumerate(EFFECTS) if name != effect)
         values = self.joint.sum(axis=others).T
-        return values / values.sum(axis=0)
+        found: np.ndarray = values / values.sum(axis=0)
+        return found
 
     @cached_property
     def distance_angle(self) -> np.ndarray:
         """P(Distance, Angle | Gait), [G, D, A]."""
-        return self.joint.sum(axis=3)
+        found: np.ndarray = self.joint.sum(axis=3)
+        return found
 
     def evidence(self, weights: np.ndarray, distances: Any, angles: Any, headings: Any = None) -> np.ndarray:
         """Return ``weights`` [G] times P(evidence | Gait), [..., G], for arrays of bin numbers."""
-        if headings is None:
-            return weights * np.moveaxis(self.distance_angle[:, distances, angles], 0, -1)
-        return weights * np.moveaxis(self.joint[:, distances, angles, headings], 0, -1)
+        chosen = self.distance_angle if headings is None else self.joint
+        cell = (distances, angles) if headings is None else (distances, angles, headings)
+        found: np.ndarray = weights * np.moveaxis(chosen[:, *cell], 0, -1)
+        return found
 
     def log_probability(self, cells: np.ndarray) -> np.ndarray:
         """Return log P(Distance, Angle, Heading | Gait) [K] of cells [K, 4]; -inf where it is 0."""
         with np.errstate(divide="ignore"):
-            return np.log(self.joint[tuple(cells.T)])
+            found: np.ndarray = np.log(self.joint[tuple(cells.T)])
+            return found
 
     def draw(self, axes: EffectAxes, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return the poses [...] that ``uniforms`` [..., 6] in [0, 1) choose for one gait.
@@ -235,9 +242,11 @@ def _cdf(probabilities: np.ndarray) -> np.ndarray:
     """Cumulative share along the last axis; ends at exactly 1, or is 0 throughout where there is no mass."""
     sums = np.cumsum(probabilities, axis=-1)
     totals = sums[..., -1:]
-    return np.divide(sums, totals, out=np.zeros_like(sums), where=totals > 0)
+    found: np.ndarray = np.divide(sums, totals, out=np.zeros_like(sums), where=totals > 0)
+    return found
 
 
 def _first_above(columns: np.ndarray, uniforms: np.ndarray) -> np.ndarray:
     """Index [N] of the first entry of each CDF [N, S] that exceeds its uniform number [N]."""
-    return np.argmax(columns > uniforms[:, None], axis=1)
+    found: np.ndarray = np.argmax(columns > uniforms[:, None], axis=1)
+    return found

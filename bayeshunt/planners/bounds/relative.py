@@ -105,7 +105,8 @@ class Chase:
 
     def beyond(self, distance: np.ndarray, grid: Grid) -> np.ndarray:
         """Return the seconds that a distance beyond the grid adds, at the closing speed."""
-        return np.maximum(distance - grid.distances[-1], 0.0) / self.closing
+        found: np.ndarray = np.maximum(distance - grid.distances[-1], 0.0) / self.closing
+        return found
 
 
 def solve(

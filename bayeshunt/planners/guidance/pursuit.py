@@ -89,7 +89,8 @@ def _fast_gaits(steering: Steering) -> np.ndarray:
     """Return the gaits that drive nearly as far as the fastest along their arcs, bool [G]: all but the slow ones."""
     chord, half = np.hypot(steering.forward, steering.right), 0.5 * np.abs(steering.heading)
     arcs = chord * half / np.sin(np.maximum(half, 1e-9))
-    return np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
+    found: np.ndarray = np.where(half > 1e-9, np.abs(arcs), chord) >= 0.6 * steering.reach
+    return found
 
 
 @planner_settings("constant_velocity")

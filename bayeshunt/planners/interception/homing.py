@@ -98,7 +98,8 @@ class Homing:
 
     def _turning(self, ahead: np.ndarray, right: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """Return the price [s] of turning from ``heading`` to the direction of (ahead, right)."""
-        return self.heading_price * np.abs(wrap(np.arctan2(right, ahead) - heading))
+        found: np.ndarray = self.heading_price * np.abs(wrap(np.arctan2(right, ahead) - heading))
+        return found
 
 
 def _legs(futures: Futures) -> Iterator[tuple[int, np.ndarray]]:

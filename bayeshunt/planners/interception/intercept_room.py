@@ -123,7 +123,8 @@ class InterceptRoomPlanner(InterceptPlanner):
             logs += np.log(np.maximum(chance if turned else 1.0 - chance, 1e-12))
             seen = seen.learn([transition])
         weights = np.exp(logs - logs.max())
-        return weights / weights.sum()
+        found: np.ndarray = weights / weights.sum()
+        return found
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
         """Return P(the prey turns within a time-step | room) for each size, the prey starting at ``pose``."""
@@ -132,7 +133,10 @@ class InterceptRoomPlanner(InterceptPlanner):
         ahead = towards > 1e-9
         gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
         error = self.settings.error
-        return error + (1.0 - 2.0 * error) / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
+        found: np.ndarray = error + (1.0 - 2.0 * error) / (
+            1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0))
+        )
+        return found
 
 
 #: The planner by the name that it is registered under.

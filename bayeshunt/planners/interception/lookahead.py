@@ -127,11 +127,13 @@ def _chance(hunter: np.ndarray, forward: np.ndarray, right: np.ndarray, reach: f
     across *= across
     square += across
     if spread == 0.0:
-        return (square <= reach * reach).astype(float)
-    distance = np.sqrt(square, out=square)
+        found: np.ndarray = (square <= reach * reach).astype(float)
+        return found
+    distance: np.ndarray = np.sqrt(square, out=square)
     np.subtract(reach + spread, distance, out=distance)
     distance /= 2.0 * spread
-    return np.clip(distance, 0.0, 1.0, out=distance)
+    np.clip(distance, 0.0, 1.0, out=distance)
+    return distance
 
 
 def decide(outlook: Outlook, futures: Futures) -> tuple[np.ndarray, np.ndarray]:

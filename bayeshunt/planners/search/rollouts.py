@@ -119,7 +119,8 @@ class GaitTree:
 def children_allowed(gait: np.ndarray, changes: np.ndarray, gaits: int, max_transitions: int) -> np.ndarray:
     """Return bool [n, G]: which gait may follow each node; the first gait is no transition (gait -1)."""
     same = gait[:, None] == np.arange(gaits)
-    return same | (changes < max_transitions)[:, None] | (gait < 0)[:, None]
+    found: np.ndarray = same | (changes < max_transitions)[:, None] | (gait < 0)[:, None]
+    return found
 
 
 def count_nodes(gaits: int, depth: int, max_transitions: int, *, limit: int) -> int:

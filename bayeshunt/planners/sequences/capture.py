@@ -110,7 +110,8 @@ class CapturePaths:
     def _lengths(self, paths: np.ndarray) -> np.ndarray:
         """Return metres along each gait's mean path, [G]."""
         points = np.concatenate([np.zeros((len(paths), 1, 2)), paths[:, :, :2]], axis=1)
-        return np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0)).sum(axis=1)
+        found: np.ndarray = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0)).sum(axis=1)
+        return found
 
     def _turn_price(self, paths: np.ndarray) -> float:
         turns = np.abs(paths[:, -1, 2])
@@ -158,7 +159,8 @@ class CapturePaths:
         earlier = np.maximum(point - 1, 0)
         x = np.where(point > 0, self.forward[nodes, earlier], self.end[0, parents])
         y = np.where(point > 0, self.right[nodes, earlier], self.end[1, parents])
-        return np.hypot(x - prey.forward[k, start + point], y - prey.right[k, start + point])
+        found: np.ndarray = np.hypot(x - prey.forward[k, start + point], y - prey.right[k, start + point])
+        return found
 
     def times_to_go(self, nodes: np.ndarray, prey: PreyPaths, reach: float, turn_price: float) -> np.ndarray:
         """Return how long after its end a sequence would still need, [K, n] seconds, never less than 0.
@@ -174,7 +176,8 @@ class CapturePaths:
         times = self._straight(x, y, v_x[:, None], v_y[:, None], reach)
         error = np.arctan2(y + v_y[:, None] * times, x + v_x[:, None] * times) - end[2]
         error = np.abs((error + np.pi) % (2 * np.pi) - np.pi)
-        return times + turn_price * error
+        found: np.ndarray = times + turn_price * error
+        return found
 
     def _straight(self, x: np.ndarray, y: np.ndarray, v_x: np.ndarray, v_y: np.ndarray, reach: float) -> np.ndarray:
         """Solve ``|p + v t| = speed t + reach`` for the least t >= 0, elementwise."""
@@ -186,4 +189,5 @@ class CapturePaths:
         with np.errstate(divide="ignore", invalid="ignore"):
             # a < 0 (a slower prey): one root is >= 0. a > 0: the smaller root, if the prey comes closer
             times = np.where(np.abs(a) < 1e-12, -gap / (2 * b), (-b - np.sqrt(root)) / a)
-        return np.where(np.isfinite(times) & (times >= 0), np.minimum(times, never), never)
+        found: np.ndarray = np.where(np.isfinite(times) & (times >= 0), np.minimum(times, never), never)
+        return found

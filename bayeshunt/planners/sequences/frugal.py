@@ -113,13 +113,15 @@ class Frugal(SequenceHunter):
         spent, parents = self._energy.of(paths.tree, before), paths.tree.parents[nodes]
         fast = paths.fastest
         rate = self._energy.steps[fast, fast] / paths.duration
-        return spent[parents] + share * (spent[nodes] - spent[parents]) + rate * onward
+        found: np.ndarray | float = spent[parents] + share * (spent[nodes] - spent[parents]) + rate * onward
+        return found
 
     def _changed(self, nodes: np.ndarray, situation: Situation) -> np.ndarray:
         """Return 1 where a sequence does not begin with the gait just executed, [n]."""
         if situation.previous_gait not in self.gaits:
             return np.ones(len(nodes))
-        return (self._first[nodes] != self.gaits.index(situation.previous_gait)).astype(float)
+        found: np.ndarray = (self._first[nodes] != self.gaits.index(situation.previous_gait)).astype(float)
+        return found
 
     def _first_gaits(self) -> np.ndarray:
         """Return the first gait of every sequence, [N]."""

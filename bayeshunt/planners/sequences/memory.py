@@ -125,7 +125,8 @@ class Memory(SequenceHunter):
             own.observe((), transition)
             previous = transition
         weights = np.exp(logs - logs.max())
-        return weights / weights.sum()
+        found: np.ndarray = weights / weights.sum()
+        return found
 
     def _average(self, transition: Polar) -> float:
         """Return what the unconditional memories say on average: where this run's table starts from."""

@@ -202,7 +202,7 @@ def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:
 
 def _path(polar: Any) -> tuple[list[float], list[float], list[float]]:
     parts = (polar.forward, polar.right, polar.heading)
-    return tuple(np.atleast_1d(np.asarray(part, dtype=float)).tolist() for part in parts)  # type: ignore[return-value]
+    return tuple(np.atleast_1d(np.asarray(part, dtype=float)).tolist() for part in parts)
 
 
 def _arena(episode: Episode) -> ArenaSettings:

@@ -6,11 +6,12 @@ import base64
 import io
 import os
 import sys
+from pathlib import Path
 from typing import IO, Any
 
 from matplotlib.figure import Figure
 
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, shown
 from bayeshunt.views.notebook.html import tag
 
 _DOTS = 150  # per inch, of the picture
@@ -32,7 +33,16 @@ class Described:
             pyplot.close(figure)  # or the notebook would show it a second time, without its words
 
     def savefig(self, fname: str | os.PathLike[str] | IO[bytes], **options: Any) -> None:
-        """Write the figure to a file, as matplotlib's ``Figure.savefig`` does with the same arguments."""
+        """Write the figure to a file, as matplotlib's ``Figure.savefig`` does with the same arguments.
+
+        Raises InputError for a kind of file that no figure is written as.
+        """
+        kinds = self.figure.canvas.get_supported_filetypes()
+        kind = options.get("format") or (
+            Path(fname).suffix[1:].lower() if isinstance(fname, (str, os.PathLike)) else ""
+        )
+        if kind and kind not in kinds:
+            raise InputError(f"{shown(fname)}: a figure is not written as {kind!r}; expected one of {', '.join(kinds)}")
         self.figure.savefig(fname, **options)
 
     def _repr_html_(self) -> str:

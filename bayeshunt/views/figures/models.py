@@ -97,7 +97,7 @@ def _probable_ends(model: ForwardModel, gait: int) -> tuple[Polar[Any], np.ndarr
     d, a = np.nonzero(share > _LEAST)
     turns = model.probabilities("Heading")[:, gait]
     h = np.flatnonzero(turns > _LEAST)
-    ends: Polar[Any] = Polar(distance.centres[d], angle.centres[a], None)  # type: ignore[type-var]
+    ends: Polar[Any] = Polar(distance.centres[d], angle.centres[a], None)
     return ends, 1 + _SPREAD * np.sqrt(share[d, a]), heading.centres[h], 1 + _SPREAD * np.sqrt(turns[h])
 
 
@@ -185,7 +185,8 @@ def _edge(figure: Figure, parent: Axes, child: Axes, from_gait: bool) -> None:
 
 def _unwrapped(axis: Axis) -> np.ndarray:
     """Bin centres of a circular axis, increasing."""
-    return (axis.edges[:-1] + axis.edges[1:]) / 2
+    found: np.ndarray = (axis.edges[:-1] + axis.edges[1:]) / 2
+    return found
 
 
 @styled

@@ -167,4 +167,5 @@ def outcome_table(inverse: InverseModel, answer: Posterior) -> np.ndarray:
     joint = model.evidence(distance[:, None], angle[None, :])  # [K, A, G]
     gaits = model.probabilities("Gait")
     weights = np.divide(answer.values, gaits, out=np.zeros_like(gaits), where=gaits > 0)
-    return joint @ weights
+    found: np.ndarray = joint @ weights
+    return found
