@@ -37,3 +37,10 @@ def test_a_described_figure_is_written_like_any_other(tmp_path):
     shown.savefig(tmp_path / "line.svg", metadata={"Date": None})
     assert "<svg" in (tmp_path / "line.svg").read_text()
     assert type(shown._repr_html_()) is str
+
+
+def test_a_kind_of_file_that_is_no_figure_is_refused(tmp_path):
+    shown = figures.described(Figure(), "nothing drawn")
+    with pytest.raises(InputError, match="not written as 'csv'; expected one of"):
+        shown.savefig(tmp_path / "line.csv")
+    assert not list(tmp_path.iterdir())
