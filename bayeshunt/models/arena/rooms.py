@@ -21,6 +21,7 @@ from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
 from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
+from bayeshunt.models.arena.contacts import find_contacts, find_walls
 from bayeshunt.models.body.forward import ForwardModel
 
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
@@ -74,8 +75,7 @@ class RoomModel:
         if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
             raise DataError("track: expected at least three places, and finite x, y and theta")
         check_bearings(poses[:, 2], "track: theta")
-        held = places[_held_up(track, model)]
-        walls = _merge(_edges(_hull(places)), held, model.gaits.need("body_length"))
+        walls = _walls(track, _held_up(track, model), model)
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
@@ -118,6 +118,14 @@ class RoomModel:
             return cls(normals, offsets, lengths, blocked.astype(int), content["provenance"])
         except (ValueError, KeyError, TypeError) as error:
             raise _RECORD.malformed(os.fspath(path), error) from None
+
+
+def _walls(track: pd.DataFrame, held: np.ndarray, model: ForwardModel) -> list[tuple[float, ...]]:
+    """Return the walls: edges of the hull that contacts confirm, and those that only contacts show as yet."""
+    places, body = track[["x", "y"]].to_numpy(dtype=float), model.gaits.need("body_length")
+    edges = _merge(_edges(_hull(places)), places[held], body)
+    contacts = find_contacts(track, held, model)
+    return edges if contacts is None else find_walls(contacts, edges, places, body)
 
 
 def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:
