@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from bayeshunt.experiments.studies.references import reference
     from bayeshunt.experiments.studies.sweep import sweep
     from bayeshunt.experiments.studies.tradeoff import tradeoff
+    from bayeshunt.models.arena.free_space import FreeSpace
     from bayeshunt.models.arena.rooms import RoomModel
     from bayeshunt.models.assessment.assess import Assessment, assess
     from bayeshunt.models.assessment.forward_scores import score_forward
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
     from bayeshunt.planners.policy import planner_policy, policy_planner
     from bayeshunt.planners.registry import make_planner, planner_names, register_planner
     from bayeshunt.views.notebook.explorer import Explorer
+    from bayeshunt.views.pages.maps import write_map
     from bayeshunt.views.pages.replay import write_replay
     from bayeshunt.views.pages.report import write_report
     from bayeshunt.worlds.babbling import babble
@@ -122,6 +124,7 @@ _HOMES = {
     "reference": ("bayeshunt.experiments.studies.references", "reference"),
     "learn_room": ("bayeshunt.experiments.preparation", "learn_room"),
     "RoomModel": ("bayeshunt.models.arena.rooms", "RoomModel"),
+    "FreeSpace": ("bayeshunt.models.arena.free_space", "FreeSpace"),
     "TurnModel": ("bayeshunt.models.target.turns", "TurnModel"),
     "remember": ("bayeshunt.experiments.studies.memories", "remember"),
     "sweep": ("bayeshunt.experiments.studies.sweep", "sweep"),
@@ -163,6 +166,7 @@ _HOMES = {
     "Pursuit": ("bayeshunt.episodes.pursuit", "Pursuit"),
     **{name: ("bayeshunt.planners.policy", name) for name in ("planner_policy", "policy_planner")},
     "Explorer": ("bayeshunt.views.notebook.explorer", "Explorer"),
+    "write_map": ("bayeshunt.views.pages.maps", "write_map"),
     "write_replay": ("bayeshunt.views.pages.replay", "write_replay"),
     "write_report": ("bayeshunt.views.pages.report", "write_report"),
 }

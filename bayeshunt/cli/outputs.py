@@ -41,6 +41,19 @@ def out_figure(help_text: str) -> Any:
     return typer.Option(help=help_text, callback=_checked_figure)
 
 
+def out_map(help_text: str) -> Any:
+    """Return an option, ``--map``, that names a page or a figure to write."""
+    return typer.Option("--map", help=help_text, callback=_checked_map)
+
+
+def _checked_map(context: typer.Context, path: Path | None) -> Path | None:
+    if path is not None and not context.resilient_parsing:
+        _check_file(path)
+        if path.suffix.lower() not in (".html", ".png", ".svg"):
+            raise InputError(f"{path}: expected a file name that ends in .html, .png or .svg")
+    return path
+
+
 def _checked_figure(context: typer.Context, path: Path | None) -> Path | None:
     if path is not None and not context.resilient_parsing:
         _check_file(path)

@@ -23,7 +23,7 @@ from bayeshunt.cli.options import (
     read_experiment,
     tell,
 )
-from bayeshunt.cli.outputs import out_file, out_folder
+from bayeshunt.cli.outputs import out_file, out_folder, out_map
 
 
 @app.command(short_help="Compute the best the gaits allow, for planner reference.")
@@ -97,11 +97,12 @@ def remember(
          f"--set {shlex.quote(f'planner.memory_place.tables={out}')}")  # fmt: skip
 
 
-@app.command(short_help="Learn an arena's walls, for planner intercept_walls.")
+@app.command(short_help="Learn an arena's walls and free space, for planners intercept_walls and detour.")
 def explore(
     out: Annotated[Path, out_file("Room (JSON) to write.", "rooms", ".json")],
     arena: Annotated[str, typer.Option(help="Arena to babble in.")] = "walled",
     steps: Annotated[int, typer.Option(help="Gaits babbled there.")] = 1000,
+    drawn: Annotated[Path | None, out_map("Map to write too: a page (.html) or a figure (.png, .svg).")] = None,
     preset: Preset = None,
     config: Config = None,
     overrides: Overrides = None,
@@ -109,9 +110,11 @@ def explore(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Babble alone in an arena and keep its walls, for planner intercept_walls.
+    """Babble alone in an arena and keep its walls and where the robot can be, for planners intercept_walls and detour.
 
-    Example:  bayeshunt explore --arena walled --out room.json;
+    The table of free space counts, cell by cell, how often the robot was there and how often it was stopped.
+
+    Example:  bayeshunt explore --arena walled --out room.json --map room.html;
     bayeshunt evaluate --planner intercept_walls --arena walled --set planner.intercept_walls.room=room.json
     """
     from bayeshunt.experiments import preparation
@@ -122,8 +125,15 @@ def explore(
     with terminal.progress_bar("exploring", total, quiet=quiet or as_json) as advance:
         room = preparation.learn_room(settings, arena=arena, steps=steps, seed=seed, progress=advance)
     room.save(out)
-    walls = room.walls()
-    facts = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
+    walls, space = room.walls(), room.space
+    if drawn is not None:
+        from bayeshunt.views.pages.maps import write_map
+
+        write_map(room, drawn)
+    facts: dict[str, Any] = {"out": str(out), "arena": arena, "walls": walls.round(4).to_dict("records")}
+    if space is not None:
+        visited, hit = (int((table > 0).sum()) for table in (space.visits, space.hits))
+        facts |= {"cell_m": space.cell, "cells_visited": visited, "cells_hit": hit}
     following = evaluate_words(preset, config)
     tell(facts, as_json, f"{out}: {_shown(walls, steps)}\n"
          f"next: {following} --planner intercept_walls --arena {shlex.quote(arena)} "

@@ -63,13 +63,14 @@ def learn_room(
 def learn_rooms(
     settings: ExperimentSettings, planners: Iterable[str], arenas: Iterable[str], seed: int, model: ForwardModel
 ) -> dict[str, RoomModel]:
-    """Return the room of each arena, learned there for ``_EXPLORING`` seconds; none if no planner explores.
+    """Return the room of each arena, learned there beforehand; none if no planner explores.
 
+    settings: ``model.exploring_steps`` gaits are babbled, by default ``_EXPLORING`` seconds of them.
     seed: of the babbling; the room of an arena is the same whatever else is evaluated.
     """
     if not any(explores(name, settings.planner.get(name, {})) for name in planners):
         return {}
-    steps = math.ceil(_EXPLORING / settings.robot.gait_duration)
+    steps = settings.model.exploring_steps or math.ceil(_EXPLORING / settings.robot.gait_duration)
     return {arena: learn_room(settings, arena=arena, steps=steps, seed=seed, model=model) for arena in arenas}
 
 

@@ -16,6 +16,7 @@ from bayeshunt.planners.asking import Timed, check_can_plan, failure
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
 from bayeshunt.planners.bounds.omniscient import Omniscient
 from bayeshunt.planners.bounds.reference import Reference
+from bayeshunt.planners.detour.detour import DetourPlanner
 from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNavigation, PurePursuit
 from bayeshunt.planners.info import PlannerInfo, read_marks
 from bayeshunt.planners.interception.belief import BeliefPlanner
@@ -244,7 +245,7 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
 _KINDS: tuple[type[Any], ...] = (
     ReactivePlanner, PredictionPlanner, PlanningPlanner, PurePursuit, ProportionalNavigation, ConstantVelocity,
     Omniscient, KinematicLimit, Frugal, Reference, Memory, PlaceMemory, OrderMemory, InterceptPlanner,
-    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner, SearchPlanner,
+    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner, SearchPlanner, DetourPlanner,
 )  # fmt: skip
 for _kind in _KINDS:
     register_planner(_kind.name, _kind, settings=_kind.Settings or (), info=_kind.info)

@@ -7,7 +7,7 @@ from bayeshunt.config.loading import preset_names
 
 
 def test_what_ships():
-    assert preset_names() == ["follow", "legs", "oses2010", "paper"]
+    assert preset_names() == ["clutter", "detour", "follow", "legs", "oses2010", "paper", "portia"]
     robots = {bh.load_experiment(name).robot.name for name in preset_names()}
     assert robots == {"follower", "khepera", "khepera_oses2010", "hexapod_mixed"}
 

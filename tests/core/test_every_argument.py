@@ -60,6 +60,7 @@ def _cases():
     prey = bh.PreyModel(axes)
     prey.observe(bh.Polar(0.1, 0, 0))
     room = bh.RoomModel.empty()
+    space = bh.FreeSpace.empty(0.03)
     pose = bh.Pose(0, 0, 0)
     polar = bh.Polar(1, 0, 0)
     planner = bh.make_planner("reactive", model)
@@ -198,7 +199,12 @@ def _cases():
                 "lengths": room.lengths,
                 "blocked": room.blocked,
                 "provenance": {},
+                "space": space,
             },
+        ),
+        "FreeSpace": (
+            bh.FreeSpace,
+            {"cell": 0.03, "origin": (0, 0), "visits": np.ones((2, 2), dtype=int), "hits": np.zeros((2, 2), dtype=int)},
         ),
         "Situation": (
             bh.Situation,
@@ -444,6 +450,7 @@ def _cases():
         "planner_policy": (bh.planner_policy, {"planner": planner, "env": environment}),
         "wilson_interval": (bh.wilson_interval, {"successes": 1, "runs": 2}),
         "wrap": (bh.wrap, {"angle": 1.0}),
+        "write_map": (bh.write_map, {"room": room, "path": "map.html"}),
         "write_replay": (bh.write_replay, {"episode": episode, "path": "e.html", "model": None, "source": ()}),
         "write_report": (
             bh.write_report,
@@ -535,6 +542,16 @@ def _cases():
         ),
         ("Structure", lambda: NAIVE, {"parents": {"variable": "Angle"}}),
         ("TurnModel", lambda: bh.TurnModel(1.0), {"learn": {"transitions": [polar]}}),
+        (
+            "FreeSpace",
+            lambda: space,
+            {
+                "at": {"x": [0.0], "y": [0.0]},
+                "empty": {"cell": 0.03},
+                "of": {"cell": 0.03, "visited": np.zeros((1, 2)), "touched": np.zeros((0, 2))},
+                "table": {"level": 0.9},
+            },
+        ),
         ("RoomModel", lambda: room, {"load": {"path": "r.json"}, "save": {"path": "s.json"}}),
         (
             "Hunter",

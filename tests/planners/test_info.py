@@ -46,7 +46,7 @@ def test_what_ships():
         "omniscient": ("future",), "kinematic_limit": ("future",), "reference": ("table",), "memory": ("tables",),
         "memory_place": ("tables",), "memory_previous": ("tables",), "intercept_walls": ("room",),
     }  # fmt: skip
-    assert [name for name in planner_names() if planner_info(name).prepare] == ["intercept_walls", "search"]
+    assert [name for name in planner_names() if planner_info(name).prepare] == ["intercept_walls", "search", "detour"]
     assert [name for name in planner_names() if not planner_info(name).hunts] == ["kinematic_limit"]
     assert [explores("intercept_walls", given) for given in ((), {"room"})] == [True, False]
     assert [is_ab_initio("intercept_walls", given) for given in ((), {"room"})] == [True, False]

@@ -25,3 +25,7 @@ class ModelSettings(Settings):
     angle_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
     heading_bins: Annotated[int, Field(ge=1, le=3600)] = Field(36, description="bins of the full turn")
     babbling_steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = Field(2000, description="gaits babbled")
+    exploring_steps: Annotated[int, Field(ge=1, le=1_000_000_000)] | None = Field(
+        None,
+        description="gaits babbled in an arena before hunts there, by planners that do; by default 3,328 s of them",
+    )

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.models.body.forward import ForwardModel
@@ -36,6 +37,7 @@ _MOST = 800
 
 #: nx, ny, offset [m], length [m], contacts.
 Wall = tuple[float, ...]
+Mask = NDArray[np.bool_]
 
 
 class Contacts(NamedTuple):
@@ -46,20 +48,20 @@ class Contacts(NamedTuple):
 
     places: FloatArray
     towards: FloatArray
-    slid: FloatArray
+    slid: Mask
 
-    def where(self, kept: FloatArray) -> Contacts:
+    def where(self, kept: Mask) -> Contacts:
         """Return some of them."""
         return Contacts(self.places[kept], self.towards[kept], self.slid[kept])
 
-    def near(self, wall: Wall, distance: float) -> FloatArray:
+    def near(self, wall: Wall, distance: float) -> Mask:
         """Return which were within ``distance`` [m] of a wall's line: bool [C]."""
-        found: FloatArray = np.abs(self.places @ np.array(wall[:2]) - wall[2]) < distance
+        found: Mask = np.abs(self.places @ np.array(wall[:2]) - wall[2]) < distance
         return found
 
-    def of(self, wall: Wall, body: float) -> FloatArray:
+    def of(self, wall: Wall, body: float) -> Mask:
         """Return which are of this wall: near it, and facing as it does: bool [C]."""
-        found: FloatArray = self.near(wall, _ALONG * body) & (self.towards @ np.array(wall[:2]) > math.cos(_FACING))
+        found: Mask = self.near(wall, _ALONG * body) & (self.towards @ np.array(wall[:2]) > math.cos(_FACING))
         return found
 
     def unexplained(self, walls: Sequence[Wall], body: float) -> Contacts:
@@ -132,7 +134,7 @@ def expected_motion(track: pd.DataFrame, model: ForwardModel) -> tuple[FloatArra
     return before[:, :2], np.stack([cos * forward + sin * right, sin * forward - cos * right], axis=1)
 
 
-def find_contacts(track: pd.DataFrame, held: FloatArray, model: ForwardModel) -> Contacts | None:
+def find_contacts(track: pd.DataFrame, held: Mask, model: ForwardModel) -> Contacts | None:
     """Return the touches; None if the model does not know part-way poses. held: rows of steps that were held up [N]."""
     before, expected = expected_motion(track, model)
     if np.isnan(expected).all():

@@ -1,4 +1,4 @@
-"""The room: walls that the hunter was held up by while it babbled in the arena.
+"""The room: walls that the hunter was held up by while it babbled in the arena, and the cells in which it was.
 
 Walls are straight and the room is convex: a wall is a half-plane that the hunter's centre cannot
 leave, in the frame in which the hunter started. Letters: W walls.
@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core import displays
 from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.checks import check_bearings
 from bayeshunt.core.errors import DataError
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
 from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
-from bayeshunt.models.arena.contacts import find_contacts, find_walls
+from bayeshunt.models.arena.contacts import Wall, find_contacts, find_walls
+from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.body.forward import ForwardModel
 
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
@@ -35,12 +37,13 @@ _LENGTH, _SUPPORT, _NEAR = 1.5, 10, 0.1
 _PARALLEL = math.radians(10.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RoomModel:
     """Walls as half-planes ``nx x + ny y <= offset`` of the hunter's centre, in its starting frame.
 
     normals: unit vectors towards the walls, x ahead and y to the left [W, 2]. offsets: metres [W].
     lengths: metres of wall touched [W]. blocked: poses near the wall in steps that were held up [W].
+    space: where the hunter's centre can be, cell by cell: obstacles inside the room are there; None: not known.
     """
 
     normals: np.ndarray
@@ -48,6 +51,7 @@ class RoomModel:
     lengths: np.ndarray
     blocked: np.ndarray
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    space: FreeSpace | None = None
 
     @classmethod
     def empty(cls) -> RoomModel:
@@ -57,12 +61,13 @@ class RoomModel:
     @classmethod
     @checked
     def fit(cls, track: pd.DataFrame, model: ForwardModel) -> RoomModel:
-        """Learn the walls from poses while babbling in the arena.
+        """Learn the walls, and the table of free space, from poses while babbling in the arena.
 
         track: columns step, gait, interval, x, y [m], theta [rad, counter-clockwise], one row per
         part-way pose, ordered, in the starting frame. model: tells where each gait leads in the open.
-        Walls are the long edges of the convex hull of all poses at which steps were held up: an
-        edge where nothing was ever in the way is only where the hunter did not go.
+        A wall is where the hunter was stopped, and shows itself at the first touch: see
+        :mod:`~bayeshunt.models.arena.contacts`. A model without part-way poses does not tell a touch; then
+        walls are the long edges of the convex hull of all poses at which steps were held up.
 
         Raises DataError if a column is missing, a number is not finite or the robot hardly moved; InputError
         for a gait that ``model`` does not know.
@@ -75,10 +80,15 @@ class RoomModel:
         if not np.isfinite(poses).all() or len(np.unique(places, axis=0)) < 3:
             raise DataError("track: expected at least three places, and finite x, y and theta")
         check_bearings(poses[:, 2], "track: theta")
-        walls = _walls(track, _held_up(track, model), model)
+        body, held = model.gaits.need("body_length"), _held_up(track, model)
+        contacts = find_contacts(track, held, model)
+        walls: Sequence[Wall] = _merge(_edges(_hull(places)), places[held], body)
+        if contacts is not None:
+            walls = find_walls(contacts, walls, places, body)
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
-        return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance)
+        space = FreeSpace.count(places, contacts, body)
+        return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4].astype(int), provenance, space)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -93,16 +103,27 @@ class RoomModel:
         columns = {"bearing_deg": bearing, "offset_m": self.offsets, "length_m": self.lengths, "blocked": self.blocked}
         return pd.DataFrame(columns).rename_axis("Wall")
 
+    def __repr__(self) -> str:
+        return f"<RoomModel: {len(self.offsets)} walls, {self.space!r}>"
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
+
     @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the room as JSON with a checksum, replaced atomically."""
-        content = {
+        content: dict[str, Any] = {
             "normals": self.normals.tolist(),
             "offsets": self.offsets.tolist(),
             "lengths": self.lengths.tolist(),
             "blocked": self.blocked.tolist(),
             "provenance": dict(self.provenance),
         }
+        if self.space is not None:
+            content["space"] = self.space.to_dict()
         check_ending(path, "rooms", ".json")
         _RECORD.save(content, path)
 
@@ -115,17 +136,10 @@ class RoomModel:
             offsets, lengths, blocked = (np.array(content[k], dtype=float) for k in ("offsets", "lengths", "blocked"))
             if {len(offsets), len(lengths), len(blocked)} != {len(normals)}:
                 raise ValueError("every wall needs an offset, a length and a count")
-            return cls(normals, offsets, lengths, blocked.astype(int), content["provenance"])
-        except (ValueError, KeyError, TypeError) as error:
+            space = FreeSpace.from_dict(content["space"]) if "space" in content else None
+            return cls(normals, offsets, lengths, blocked.astype(int), content["provenance"], space)
+        except (ValueError, KeyError, TypeError, IndexError, DataError) as error:
             raise _RECORD.malformed(os.fspath(path), error) from None
-
-
-def _walls(track: pd.DataFrame, held: np.ndarray, model: ForwardModel) -> list[tuple[float, ...]]:
-    """Return the walls: edges of the hull that contacts confirm, and those that only contacts show as yet."""
-    places, body = track[["x", "y"]].to_numpy(dtype=float), model.gaits.need("body_length")
-    edges = _merge(_edges(_hull(places)), places[held], body)
-    contacts = find_contacts(track, held, model)
-    return edges if contacts is None else find_walls(contacts, edges, places, body)
 
 
 def _held_up(track: pd.DataFrame, model: ForwardModel) -> np.ndarray:

@@ -73,12 +73,16 @@ def styled(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
 def save(figure: Figure, folder: str | os.PathLike[str], name: str) -> list[Path]:
     """Write ``figure`` as ``name.png`` (200 dots per inch) and ``name.svg``; returns the paths written."""
     paths = [Path(folder) / f"{name}.{kind}" for kind in FORMATS]
-    with mpl.rc_context(_STYLE):
-        for path, kind in zip(paths, FORMATS, strict=True):
-            metadata = {"Date": None} if kind == "svg" else None
-            with replace_atomically(path) as temporary:
-                figure.savefig(temporary, format=kind, dpi=200, metadata=metadata)
+    for path in paths:
+        write(figure, path)
     return paths
+
+
+def write(figure: Figure, path: Path) -> None:
+    """Write ``figure`` as the ending of its name says, ".png" or ".svg", replaced atomically."""
+    kind = path.suffix.lower().removeprefix(".")
+    with mpl.rc_context(_STYLE), replace_atomically(path) as temporary:
+        figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
 
 
 def frame_axes(axes: Axes, *, across: str = "to the right [mm]", up: str = "ahead [mm]") -> None:

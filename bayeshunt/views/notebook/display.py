@@ -14,6 +14,8 @@ from bayeshunt.episodes.episode import Episode
 from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
+from bayeshunt.models.arena.free_space import FreeSpace
+from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
@@ -27,7 +29,18 @@ from bayeshunt.planners.api import Plan, Shown
 from bayeshunt.views.pages.learning import learning_html
 from bayeshunt.views.pages.network import network_html
 from bayeshunt.views.pages.sheet import sheet_html
-from bayeshunt.views.sheets import assessment, comparison, learning, models, network, plans, settings, tables, tracing
+from bayeshunt.views.sheets import (
+    assessment,
+    comparison,
+    learning,
+    models,
+    network,
+    plans,
+    rooms,
+    settings,
+    tables,
+    tracing,
+)  # fmt: skip
 from bayeshunt.views.sheets.sheet import Sheet
 
 __all__ = ["bundle", "save", "sheet", "to_html", "to_text", "widget"]
@@ -79,6 +92,8 @@ def page(thing: Any) -> str:
 page.register(Network, network_html)
 page.register(Learning, learning_html)
 page.register(Comparison, lambda found: sheet_html(comparison.comparison(found)))
+page.register(RoomModel, lambda found: sheet_html(rooms.room(found)))
+page.register(FreeSpace, lambda found: sheet_html(rooms.free_space(found)))
 
 
 @singledispatch
@@ -93,6 +108,8 @@ for _kind, _sheet in (
     (Posterior, models.posterior),
     (ProbabilityTable, tables.probability_table),
     (PreyModel, tables.prey_model),
+    (RoomModel, rooms.room),
+    (FreeSpace, rooms.free_space),
     (Plan, plans.plan),
     (Episode, plans.episode),
     (Network, network.network),
