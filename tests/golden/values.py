@@ -27,7 +27,7 @@ ROWS, SEEDS, ARENAS, THETA = 600, (3, 4), ("walled", "open"), 2.0
 PLANNERS = (
     "reactive", "prediction", "planning", "pure_pursuit", "proportional_navigation", "constant_velocity", "omniscient",
     "frugal", "reference", "memory", "memory_place", "memory_previous", "intercept", "intercept_room",
-    "intercept_walls", "belief",
+    "intercept_walls", "belief", "detour",
 )  # fmt: skip
 STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
 
@@ -127,7 +127,7 @@ def planner(name: str, arena: str, structure: str) -> Any:
         given["table"] = reference()
     elif name.startswith("memory"):
         given["tables"] = memory()
-    elif name == "intercept_walls":
+    elif name in ("intercept_walls", "detour"):
         given["room"] = room(arena)
     return bh.make_planner(name, model(structure), **given)
 
