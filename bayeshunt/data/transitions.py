@@ -2,9 +2,10 @@
 
 Columns: ``scene``, ``id``, ``time`` [s] of the present; ``distance`` [m], ``angle`` and ``heading`` [rad clockwise] of
 the transition; ``speed`` [m/s] of the step before (NaN where it is not known); ``time_step`` [s]; ``scale`` [m], the
-median step of those that move, the unit of the models' default bins; ``past_NN_forward``, ``past_NN_right`` [m], where
-it was NN steps ago, and ``future_NN_forward``, ``future_NN_right`` [m], where it is NN steps later, all in the frame
-of the present; NaN where the run does not reach. In tracks that are not in metres, lengths are in their unit.
+median step of those that move, the unit of the models' default bins; ``by_motion``, whether the last step tells better
+than the body's heading where it goes next (of all rows together); ``past_NN_forward``, ``past_NN_right`` [m], where it
+was NN steps ago, and ``future_NN_forward``, ``future_NN_right`` [m], where it is NN steps later, all in the frame of
+the present; NaN where the run does not reach. In tracks that are not in metres, lengths are in their unit.
 """
 
 from __future__ import annotations
@@ -25,10 +26,20 @@ if TYPE_CHECKING:  # readers and pandas come when a table does: who hunts needs 
 
     from bayeshunt.data.steps import Run
 
-__all__ = ["STANDING_SHARE", "facing", "transitions", "validate_transitions", "window_columns", "windows_of"]
+__all__ = [
+    "STANDING_SHARE",
+    "facing",
+    "motion_frame",
+    "transitions",
+    "validate_transitions",
+    "window_columns",
+    "windows_of",
+]
 
 #: Slower than this share of the median step is standing, unless the caller says otherwise.
 STANDING_SHARE = 0.1
+#: The last step must tell the next direction better than the body by this much.
+_CLEARLY = 0.85
 _WINDOW = re.compile(r"(past|future)_(\d+)_forward$")
 
 
@@ -66,7 +77,39 @@ def transitions(
     parts = [part for run in found if (part := _of_run(run, step, least, seen, steps)) is not None]
     if not parts:
         raise DataError("tracks: nobody moves for two time-steps on end; give a shorter time_step")
-    return pd.concat(parts, ignore_index=True).assign(time_step=step, scale=scale)
+    table = pd.concat(parts, ignore_index=True).assign(time_step=step, scale=scale)
+    return table.assign(by_motion=bool(any(np.isfinite(r.headings).any() for r in found) and _motion_tells(table)))
+
+
+def motion_frame(table: pd.DataFrame, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return angle and heading [N] (rad clockwise) of each transition beside the direction of the last step.
+
+    least: a step no longer than this has no direction; the last one that had one counts, without any the body's own.
+    The heading of a transition is then the direction that it goes in; one that stands keeps its own.
+    """
+    seen = windows_of(table.columns)[0]
+    names = window_columns(seen, 0)
+    past = table[names].to_numpy(dtype=float).reshape(len(table), -1, 2)
+    places = np.concatenate([np.zeros((len(table), 1)), past[..., 0] + 1j * past[..., 1]], axis=1)
+    steps = places[:, :-1] - places[:, 1:]  # the nearest first
+    moved = np.abs(steps) > least  # False where nothing is known
+    chosen = steps[np.arange(len(table)), np.argmax(moved, axis=1)]
+    before = np.where(moved.any(axis=1), np.angle(np.where(moved.any(axis=1), chosen, 1.0)), 0.0)
+    angle = np.asarray(wrap(table["angle"].to_numpy(dtype=float) - before))
+    return angle, np.where(table["distance"].to_numpy(dtype=float) > least, angle, 0.0)
+
+
+def _motion_tells(table: pd.DataFrame) -> bool:
+    """Whether moving individuals go on in the direction of their last step rather than in that of their body."""
+    scale = float(table["scale"].iloc[0])
+    least = STANDING_SHARE * scale
+    past = np.hypot(*(table[f"past_01_{part}"].to_numpy(dtype=float) for part in ("forward", "right")))
+    moving = (past > least) & (table["distance"].to_numpy(dtype=float) > least)
+    if not moving.any():
+        return False
+    angle, _ = motion_frame(table[moving], least)
+    by_body = 1.0 - np.cos(table["angle"].to_numpy()[moving])
+    return bool((1.0 - np.cos(angle)).mean() < _CLEARLY * by_body.mean())
 
 
 def facing(places: np.ndarray, headings: np.ndarray, stride: int, least: float) -> np.ndarray:

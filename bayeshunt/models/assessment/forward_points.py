@@ -10,8 +10,8 @@ from bayeshunt.core.geometry import FloatArray, Polar
 
 __all__ = ["points"]
 
-#: Weight [rows] of the coarser key.
-BACKOFF = 3.0
+#: Weight [rows] of the coarser key, and of all rows together, which are hardly a guess at what one gait does.
+BACKOFF, _EVERYONE = 2.0, 0.5
 
 
 def points(
@@ -24,20 +24,22 @@ def points(
     """Return the backed-off point of each asked key: Polar of arrays [M].
 
     keys: for each level, coarse to fine, whole numbers [N] of the rows; asked: likewise [M]. outcomes: Polar [N].
-    The finest known level counts most: ``(n m + w p) / (n + w)`` of its own spatial median m and the level above p.
+    The finest known level counts most: ``(n m + w p) / (n + w)`` of its own spatial median m and the level above p;
+    w is ``backoff``, for the coarsest level at most half a row.
     """
     places = np.asarray(outcomes.forward + 1j * outcomes.right)
     facing = np.exp(1j * np.asarray(outcomes.heading))
     count = len(asked[0])
     place, face = np.full(count, median(places)), np.full(count, median(facing))
-    for level, mine in zip(keys, asked, strict=True):
+    for depth, (level, mine) in enumerate(zip(keys, asked, strict=True)):
+        above = backoff if depth else min(backoff, _EVERYONE)
         for key in np.unique(mine):
             rows = level == key
             number = int(rows.sum())
             if not number:
                 continue
             here = mine == key
-            weight = number / (number + backoff)
+            weight = number / (number + above)
             place[here] = weight * median(places[rows]) + (1 - weight) * place[here]
             face[here] = weight * median(facing[rows]) + (1 - weight) * face[here]
     return Polar.from_cartesian(place.real, place.imag, np.angle(face))

@@ -12,7 +12,7 @@ from bayeshunt.core.bins import Axis, EffectAxes
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError, did_you_mean, shown
 from bayeshunt.core.geometry import FloatArray
-from bayeshunt.data.transitions import windows_of
+from bayeshunt.data.transitions import STANDING_SHARE, motion_frame, windows_of
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.base_motion import BASES
 from bayeshunt.models.target.paths import forward_facing, paths_of
@@ -24,21 +24,30 @@ if TYPE_CHECKING:
 
 __all__ = ["Conditions", "ahead_of", "binned", "check_given", "default_axes"]
 
-#: Of futures, the share drawn from whole residuals where both tables are there; the rest step by step.
-_WHOLE = 0.75
+#: Of futures, the share drawn from whole residuals where both tables are there; the rest step by step. Much of those
+#: that go on as they went, little of those that wander (``ResidualTable.wandering`` between these two).
+_WHOLE = (0.75, 0.25)
+_WANDERING = (0.45, 0.52)
 
 
 class Conditions:
     """Tables by context; change in place, by addition only.
 
     time_step: seconds. scale: metres, the typical step of the table that was fitted first. speed: transitions by
-    the own speed, or None. residual: whole futures beside a simple motion, or None.
+    the own speed, or None. residual: whole futures beside a simple motion, or None. by_motion: transitions by speed are
+    beside the direction of the last step, not the body's heading.
     """
 
     def __init__(
-        self, time_step: float, scale: float, speed: SpeedTable | None, residual: ResidualTable | None
+        self,
+        time_step: float,
+        scale: float,
+        speed: SpeedTable | None,
+        residual: ResidualTable | None,
+        by_motion: bool = False,
     ) -> None:
         self.time_step, self.scale, self.speed, self.residual = time_step, scale, speed, residual
+        self.by_motion = by_motion
 
     @classmethod
     def of(
@@ -61,7 +70,16 @@ class Conditions:
             )
         speed = None if given is None else SpeedTable(grid, backoff)
         residual = None if residual_of is None else ResidualTable(residual_of, seen, steps, scale, backoff)
-        return cls(step, scale, speed, residual)
+        by_motion = bool("by_motion" in frame and frame["by_motion"].iloc[0] and seen > 1)
+        return cls(step, scale, speed, residual, by_motion)
+
+    def codes(self, frame: pd.DataFrame) -> np.ndarray:
+        """Return the cell number [N] of each transition in the frame that the table by speed counts it in."""
+        assert self.speed is not None
+        distance = frame["distance"].to_numpy(dtype=float)
+        if self.by_motion:
+            return cell_codes(self.speed.axes, distance, *motion_frame(frame, STANDING_SHARE * self.scale))
+        return cell_codes(self.speed.axes, distance, *(frame[n].to_numpy(dtype=float) for n in ("angle", "heading")))
 
     @property
     def is_empty(self) -> bool:
@@ -79,10 +97,7 @@ class Conditions:
         if self.speed is not None:
             before = frame["speed"].to_numpy(dtype=float) * self.time_step
             told = np.isfinite(before)
-            codes = cell_codes(
-                self.speed.axes, *(frame[n].to_numpy(dtype=float)[told] for n in ("distance", "angle", "heading"))
-            )
-            self.speed.add(before[told], codes)
+            self.speed.add(before[told], self.codes(frame)[told])
         if self.residual is not None:
             paths = paths_of(frame, self.residual.seen, self.residual.steps)
             self.residual.add(forward_facing(paths, self.residual.seen, self.scale)[0])
@@ -95,16 +110,16 @@ class Conditions:
         whole = 0
         residual = self.residual
         if residual is not None and residual.counts and steps <= residual.steps and seen.shape[1] >= residual.seen:
-            whole = n if self.speed is None else round(_WHOLE * n)
+            whole = n if self.speed is None else round(float(np.interp(residual.wandering, _WANDERING, _WHOLE)) * n)
         out = np.empty((len(seen), n, steps), dtype=complex)
         from_speed = _evenly(n, n - whole)  # any part of the draws holds both in their shares
         if whole and residual is not None:
             drawn = residual.draw(turned[:, -residual.seen :], whole, steps, rng=rng)
             out[:, ~from_speed] = drawn * direction[:, None, None]
         if whole < n:
-            facing = (
-                direction if headings is None else np.where(np.isfinite(headings), np.exp(1j * headings), direction)
-            )
+            facing = direction
+            if headings is not None and not self.by_motion:
+                facing = np.where(np.isfinite(headings), np.exp(1j * headings), direction)
             before = np.abs(seen[:, -1] - seen[:, -2])
             out[:, from_speed] = self._stepwise(before, n - whole, steps, rng) * facing[:, None, None]
         return out + seen[:, -1][:, None, None]
@@ -139,7 +154,7 @@ class Conditions:
         speed = None if self.speed is None else (self.speed.axes, self.speed.backoff)
         residual = self.residual
         whole = None if residual is None else (residual.base, residual.seen, residual.steps, residual.backoff)
-        return self.time_step, self.scale, speed, whole
+        return self.time_step, self.scale, speed, whole, self.by_motion
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Conditions):
@@ -155,14 +170,18 @@ class Conditions:
         """Return plain numbers for JSON."""
         speed = None if self.speed is None else self.speed.to_dict()
         residual = None if self.residual is None else self.residual.to_dict()
-        return {"time_step": self.time_step, "scale": self.scale, "speed": speed, "residual": residual}
+        return {"time_step": self.time_step, "scale": self.scale, "speed": speed, "residual": residual,
+                "by_motion": self.by_motion}  # fmt: skip
 
     @classmethod
     def from_dict(cls, record: dict[str, Any], axes: EffectAxes) -> Conditions:
         """Rebuild from :meth:`to_dict`; KeyError, TypeError or ValueError if it is none."""
         speed = None if record["speed"] is None else SpeedTable.from_dict(record["speed"], axes)
         residual = None if record["residual"] is None else ResidualTable.from_dict(record["residual"])
-        return cls(float(record["time_step"]), float(record["scale"]), speed, residual)
+        by_motion = record.get("by_motion", False)  # files of before do not say
+        if not isinstance(by_motion, bool):
+            raise TypeError("by_motion")
+        return cls(float(record["time_step"]), float(record["scale"]), speed, residual, by_motion)
 
 
 def _only(frame: pd.DataFrame, column: str) -> float:

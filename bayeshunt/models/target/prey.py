@@ -165,7 +165,7 @@ class PreyModel(StoredPrey):
         if self.conditions is not None and self.conditions.speed is not None:
             before = transitions["speed"].to_numpy(dtype=float) * self.conditions.time_step
             told = np.isfinite(before)
-            seen[told] = self.conditions.speed.probabilities(before[told], codes[told])
+            seen[told] = self.conditions.speed.probabilities(before[told], self.conditions.codes(transitions)[told])
         far = max(int(cells[:, 0].max()) + 1, self.axes.distance.bins)
         spread = 1.0 / (far * self.axes.angle.bins * self.axes.heading.bins)
         return float(np.log((seen * self.observations + spread) / (self.observations + 1.0)).sum())
@@ -288,7 +288,7 @@ class PreyModel(StoredPrey):
     __hash__ = None  # type: ignore[assignment]  # mutable
 
     def __repr__(self) -> str:
-        return f"<PreyModel: {self._observations} transitions in {len(self._counts)} cells>"
+        return f"<PreyModel: {self.observations} transitions in {len(self._counts)} cells>"
 
     def __str__(self) -> str:
         return displays.to_text(self)

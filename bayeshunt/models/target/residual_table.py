@@ -66,6 +66,7 @@ class ResidualTable:
         self.base, self.seen, self.steps, self.scale = base, seen, steps, scale
         self.counts: dict[Key, int] = {}
         self.kept: dict[Key, dict[tuple[int, ...], int]] = {}  # class -> path on the grid -> how often
+        self.wandered = (0, 0)  # summed over paths, in units of the grid: what the last step misses, how far it went
         self._mixed: dict[Key, tuple[np.ndarray, FloatArray]] = {}
         self._pool: tuple[np.ndarray, FloatArray, dict[Key, slice]] | None = None
 
@@ -74,6 +75,9 @@ class ResidualTable:
         if not len(paths):
             return
         on_grid = np.round(paths / self.scale * _GRID)
+        gone = on_grid[:, self.seen - 1] - on_grid[:, self.seen - 2]
+        missed = np.abs(on_grid[:, -1] - on_grid[:, self.seen - 1] - self.steps * gone)
+        self._wander(int(np.rint(missed).sum()), int(np.rint(self.steps * np.abs(gone)).sum()))
         keys, _, side = path_classes(on_grid[:, : self.seen] / _GRID, 1.0)
         on_grid = np.where(side[:, None] < 0, np.conj(on_grid), on_grid)
         rows = np.stack([on_grid.real, on_grid.imag], axis=2).reshape(len(paths), -1).astype(np.int64)
@@ -91,11 +95,21 @@ class ResidualTable:
 
     def merge(self, other: ResidualTable) -> None:
         """Count what another table has counted."""
+        self._wander(*other.wandered)
         for key, count in other.counts.items():
             self.counts[key] = self.counts.get(key, 0) + count
             self._keep(key, other.kept[key])
         self._mixed.clear()
         self._pool = None
+
+    @property
+    def wandering(self) -> float:
+        """How far off constant velocity is at the last step, as a share of how far it goes; 0 before any path."""
+        missed, gone = self.wandered
+        return missed / gone if gone else 0.0
+
+    def _wander(self, missed: int, gone: int) -> None:
+        self.wandered = (self.wandered[0] + missed, self.wandered[1] + gone)
 
     def _keep(self, key: Key, new: dict[tuple[int, ...], int]) -> None:
         """Join kept paths; of more than KEPT those with the smallest hashes stay, however often each was seen."""
@@ -173,7 +187,7 @@ class ResidualTable:
             kept = [[*row, self.kept[key][row]] for row in sorted(self.kept[key])]
             classes.append({"class": list(key), "count": self.counts[key], "kept": kept})
         return {"base": self.base, "seen": self.seen, "steps": self.steps, "scale": self.scale, "backoff": self.backoff,
-                "grid": _GRID, "classes": classes}  # fmt: skip
+                "grid": _GRID, "wandered": list(self.wandered), "classes": classes}  # fmt: skip
 
     @classmethod
     def from_dict(cls, record: dict[str, Any]) -> ResidualTable:
@@ -182,6 +196,7 @@ class ResidualTable:
         if record["base"] not in BASES or record["grid"] != _GRID or min(numbers) <= 0:
             raise ValueError("residual table")
         table = cls(record["base"], *numbers)
+        table._wander(*(int(part) for part in record.get("wandered", (0, 0))))  # files of before do not say
         width = 2 * (table.seen + table.steps) + 1
         for entry in record["classes"]:
             key, rows = tuple(entry["class"]), entry["kept"]
