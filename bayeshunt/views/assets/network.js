@@ -348,13 +348,13 @@ class NetworkView {
 
   buildSide(side) {
     const { parts } = this;
-    parts.askedTitle = part("h3", {}, side);
+    parts.askedTitle = part("h2", {}, side);
     parts.asked = part("p", {}, side);
     parts.edges = part("ul", { class: "facts" }, side);
     if (this.data.nodes.length <= EXPLAINED_UP_TO) {
-      parts.worthTitle = part("h3", {}, side);
+      parts.worthTitle = part("h2", {}, side);
       parts.worth = part("ul", { class: "facts" }, side);
-      part("h3", {}, side, "Most probable explanation");
+      part("h2", {}, side, "Most probable explanation");
       parts.best = part("ul", { class: "facts" }, side);
     }
     const legend = part("ul", { class: "legend" }, side);
