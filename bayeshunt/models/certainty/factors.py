@@ -143,6 +143,8 @@ def log_sum(logs: np.ndarray, axes: int | tuple[int, ...]) -> np.ndarray:
     """Return log of the sum of exp(logs) along axes, which stay with size 1; -inf where all are."""
     top = logs.max(axis=axes, keepdims=True)
     shift = np.where(np.isfinite(top), top, 0.0)
+    shares = logs - shift
+    np.exp(shares, out=shares)
     with np.errstate(divide="ignore"):
-        total: np.ndarray = np.log(np.exp(logs - shift).sum(axis=axes, keepdims=True)) + shift
+        total: np.ndarray = np.log(shares.sum(axis=axes, keepdims=True)) + shift
     return total
