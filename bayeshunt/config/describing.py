@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
+from bayeshunt.config.schema.mujoco import MujocoGait, MujocoSettings
 from bayeshunt.core.errors import ConfigError
 
 __all__ = ["describe", "keys_at"]
@@ -30,8 +31,10 @@ def describe(kind: str) -> list[dict[str, Any]]:
     return keys
 
 
-#: Settings that only bodies on legs have, and where they stand in a robot's file.
-_LEGS: tuple[tuple[str, type[BaseModel]], ...] = (("body.", LeggedSettings), ("gait[].", LegGait))
+#: Settings that only bodies on legs, and those in MuJoCo, have, and where they stand in a robot's file.
+_LEGS: tuple[tuple[str, type[BaseModel]], ...] = (
+    ("body.", LeggedSettings), ("gait[].", LegGait), ("body.", MujocoSettings), ("gait[].", MujocoGait),
+)  # fmt: skip
 
 
 def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:

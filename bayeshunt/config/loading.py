@@ -93,12 +93,22 @@ def load_experiment(
             robot = _robot(value)[0]
             if values.get("robot") is not None:
                 values = rescaled(values, parse(RobotSettings, values["robot"], f"{source}: robot"), robot)
+                values = _in_its_time(values, values["robot"], robot)
             value = robot.model_dump()
         _set(values, key, value, source)
     values = _in_metres(values, source)
     if overrides:
         _forget_publication(values, before, set(overrides))
     return _plausible(parse(ExperimentSettings, values, source), source)
+
+
+def _in_its_time(values: dict[str, Any], before: Any, robot: RobotSettings) -> dict[str, Any]:
+    """Settings whose physics step is the robot's, if it or the robot before it asks for one of its own."""
+    usual, old = robot.physics, parse(RobotSettings, before, "robot").physics
+    physics = values.get("physics", {})
+    if usual == old or not isinstance(physics, dict):
+        return values
+    return {**values, "physics": {**physics, "step": usual.step, "control_steps": usual.control_steps}}
 
 
 def _in_metres(values: dict[str, Any], source: str) -> dict[str, Any]:

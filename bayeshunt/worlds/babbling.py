@@ -41,7 +41,7 @@ def babble(
 ) -> pd.DataFrame:
     """Return the babbling table of ``steps`` gaits, momentum carried from each to the next.
 
-    A body that measures what it spends adds a column ``energy`` [J].
+    A body that measures what it spends adds the columns ``energy`` [J] and ``falls``.
 
     Every gait is executed equally often (the remainder by chance), in random order. The arena is
     open and empty; after every step the origin moves to the robot, so that coordinates stay small.
@@ -56,12 +56,13 @@ def babble(
     check_whole(steps, "steps", 1)
     check_callable(progress, "progress", "a function of a number")
     check_whole(seed, "seed", 0)
-    physics = physics or PhysicsSettings()
+    physics = physics or robot.physics
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed]).spawn(2))
     order = balanced_order(len(robot.gaits), steps, choice)
     alone = make_world(world, Scene(robot, None, ArenaSettings(), physics))
     alone.reset({HUNTER: Pose(0.0, 0.0, 0.0)}, {HUNTER: noise})
     executed, energy = np.empty((steps, PATH_INTERVALS, 3)), np.empty(steps)
+    falls = np.empty(steps, dtype=np.int64)
     counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
     check_callable(choose, "choose", "a function of the gait before and where it led")
     end = Pose(0.0, 0.0, 0.0)
@@ -69,17 +70,18 @@ def babble(
         if choose is not None:
             order[row] = choose((int(order[row - 1]), Pose(0.0, 0.0, 0.0).relative(end)) if row else None)
         gait = int(order[row])
-        spent = alone.bodies[HUNTER].energy
+        body = alone.bodies[HUNTER]
+        spent, fallen = body.energy, body.falls
         poses = _execute(alone, gaits[gait], physics.step, counts)
         executed[row], end = poses, poses[-1]
-        energy[row] = alone.bodies[HUNTER].energy - spent
+        energy[row], falls[row] = body.energy - spent, body.falls - fallen
         if progress is not None:
             progress(1)
     record = provenance(robot, physics, steps, seed, alone.identity)
     if choose is not None:
         record["chosen"] = "by what came before"
     alone.close()
-    return table_of(robot.gaits.names, order, executed, record, energy if energy.any() else None)
+    return table_of(robot.gaits.names, order, executed, record, (energy, falls) if energy.any() else None)
 
 
 def hold(world: World, gait: Gait, step: float, counts: list[int]) -> Iterator[Pose]:
@@ -103,11 +105,12 @@ def _execute(world: World, gait: Gait, step: float, counts: list[int]) -> list[P
 
 def table_of(
     names: tuple[str, ...], order: np.ndarray, executed: np.ndarray, provenance: dict[str, Any],
-    energy: np.ndarray | None = None,
+    spent: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> pd.DataFrame:  # fmt: skip
     """Return a babbling table of executed poses [N, P, 3] (x ahead, y left, theta counter-clockwise), the last the end.
 
     names: of the gaits. order: index of the gait executed [N]. provenance: kept in the table's attributes.
+    spent: energy [J] and falls of each [N], if they were measured.
     """
     end = Pose(0.0, 0.0, 0.0).relative(Pose(*executed[:, -1].T))
     gait = np.array(names, dtype=object)[order]
@@ -125,8 +128,8 @@ def table_of(
     part_way[..., 2] = (part_way[..., 2] + np.pi) % (2 * np.pi) - np.pi
     columns = path_column_names(executed.shape[1] - 1)
     paths = pd.DataFrame(part_way.reshape(len(order), -1).astype(np.float32), columns=columns)
-    if energy is not None:
-        frame["energy"] = energy
+    if spent is not None:
+        frame["energy"], frame["falls"] = spent
     frame = pd.concat([frame, paths], axis=1)
     frame.attrs[PROVENANCE_KEY] = provenance
     return frame

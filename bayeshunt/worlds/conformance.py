@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bayeshunt.config.loading import load_experiment, load_robot
-from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, PhysicsSettings, RobotSettings
+from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, RobotSettings
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean, shown
@@ -166,7 +166,7 @@ def _check_fork(world: str, settings: ExperimentSettings, arena: str, seed: int,
 
 def _executed(robot: RobotSettings, world: str, seed: int, fault: _Fault) -> list[Pose]:
     """Where each gait takes the body, alone, one after the other."""
-    made = make_world(world, Scene(robot, None, ArenaSettings(), PhysicsSettings()))
+    made = make_world(world, Scene(robot, None, ArenaSettings(), robot.physics))
     made.reset({HUNTER: _START[HUNTER]}, spawn_streams(seed))
     body = made.bodies[HUNTER]
     fault.unless(isinstance(body, Body), "is no bayeshunt.protocols.Body")

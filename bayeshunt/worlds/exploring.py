@@ -43,7 +43,7 @@ def explore(
     """
     check_whole(steps, "steps", 1)
     check_whole(seed, "seed", 0)
-    physics = physics or PhysicsSettings()
+    physics = physics or robot.physics
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed, 1]).spawn(2))
     order = choice.permutation(np.arange(steps) % len(robot.gaits))
     alone = make_world(world, Scene(robot, None, arena, physics))

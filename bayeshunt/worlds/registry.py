@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import World
@@ -14,8 +15,8 @@ __all__ = ["BOX2D", "WorldFactory", "make_world", "register_world", "registered_
 
 #: Makes a world from a scene.
 WorldFactory = Callable[[Scene], World]
-#: The world that ships.
-BOX2D = "box2d"
+#: The worlds that ship.
+BOX2D, MUJOCO = "box2d", "mujoco"
 
 
 def _box2d(scene: Scene) -> World:
@@ -29,7 +30,13 @@ def _box2d(scene: Scene) -> World:
     return Box2DWorld(scene)
 
 
-_WORLDS: dict[str, WorldFactory] = {BOX2D: _box2d}
+def _mujoco(scene: Scene) -> World:
+    from bayeshunt.worlds.mujoco.world import MujocoWorld  # an extra: only when asked for
+
+    return MujocoWorld(scene)
+
+
+_WORLDS: dict[str, WorldFactory] = {BOX2D: _box2d, MUJOCO: _mujoco}
 _SHIPPED = frozenset(_WORLDS)
 
 
@@ -60,8 +67,13 @@ def world_names() -> list[str]:
 
 
 def make_world(name: str, scene: Scene) -> World:
-    """Return a fresh world for one trial; InputError if none is called ``name``, or what was made is none."""
+    """Return a fresh world for one trial; InputError if none is called ``name``, or what was made is none.
+
+    A robot whose body is made in another world than "box2d" brings its own where that is named.
+    """
     check_world_name(name)
+    if name == BOX2D:
+        name = find_drive(scene.robot.body.drive).world
     world = _WORLDS[name](scene)
     if not isinstance(world, World):
         raise InputError(f"world {name!r}: {shown(world)} is no bayeshunt.protocols.World; run bayeshunt.check_world")

@@ -91,7 +91,7 @@ def test_robots_prey_and_presets(bayeshunt, folder):
     out, _ = bayeshunt("robots")
     assert "khepera" in out
     assert "Car-like robot" in out
-    names = ["car", "follower", "hexapod", "hexapod_mixed", "khepera", "khepera_oses2010", "quadruped"]
+    names = ["car", "follower", "hexapod", "hexapod_mixed", "khepera", "khepera_oses2010", "puppy", "quadruped"]
     assert [r["robot"] for r in json.loads(bayeshunt("robots", "--json")[0])] == names
     assert "tight right" in bayeshunt("robots", "khepera")[0]
     assert json.loads(bayeshunt("robots", "car", "--json")[0])["name"] == "car"

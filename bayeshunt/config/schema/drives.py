@@ -8,6 +8,7 @@ from typing import Any
 
 from bayeshunt.config.schema.bodies import BodySettings, DiscSettings, FreeGait, GaitSettings, NamedGait
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
+from bayeshunt.config.schema.mujoco import MujocoGait, MujocoSettings
 from bayeshunt.core.errors import InputError, did_you_mean
 
 __all__ = ["DriveKind", "drive_names", "find_drive", "know_drive"]
@@ -23,6 +24,7 @@ class DriveKind:
     settings: of the body. commands: keys of a gait in the order of the actuators; none: a list called ``command``.
     speed: metres per second of one command; None: the body's setting ``top_speed`` says the most.
     gait: the settings of one gait. check: says what is wrong with a command for a body, None if nothing is.
+    world: what moves it where the experiment names no other world.
     """
 
     settings: type[DiscSettings]
@@ -30,11 +32,12 @@ class DriveKind:
     speed: Speed | None = None
     gait: type[NamedGait] = FreeGait
     check: Callable[[Any, Sequence[float]], str | None] = lambda body, command: None
+    world: str = "box2d"
 
     def command(self, gait: NamedGait) -> tuple[float, ...]:
         """Return the command of a gait; ValueError if it lacks a key, or has another drive's."""
-        if isinstance(gait, LegGait):
-            return (gait.frequency, gait.duty, *gait.stroke, *gait.phase)
+        if isinstance(gait, (LegGait, MujocoGait)):
+            return gait.values()
         held = {**gait.__dict__, **(gait.__pydantic_extra__ or {})}
         given = {key: value for key, value in held.items() if key != "name" and value is not None}
         wanted = self.commands or ("command",)
@@ -67,6 +70,9 @@ _DRIVES: dict[str, DriveKind] = {
     ),
     "car": DriveKind(BodySettings, ("speed", "steering"), lambda command: abs(command[0]), GaitSettings, _steering),
     "legs": DriveKind(LeggedSettings, ("frequency", "duty", "stroke", "phase"), None, LegGait, _a_phase_for_each),
+    "mujoco": DriveKind(
+        MujocoSettings, ("frequency", "offset", "amplitude", "phase"), None, MujocoGait, world="mujoco"
+    ),
 }
 
 

@@ -31,7 +31,11 @@ class ExperimentSettings(ShownSettings):
     arenas: dict[str, ArenaSettings] = Field(
         default_factory=lambda: {"walled": ArenaSettings(walled=True), "open": ArenaSettings()}
     )
-    world: str = Field("box2d", min_length=1, description="what moves the bodies: box2d or a registered world")
+    world: str = Field(
+        "box2d",
+        min_length=1,
+        description="what moves the bodies: box2d, mujoco or a registered world; a robot made in MuJoCo brings its own",
+    )
     physics: PhysicsSettings = Field(default_factory=PhysicsSettings)
     sensing: SensingSettings = Field(default_factory=SensingSettings)
     protocol: ProtocolSettings = Field(default_factory=ProtocolSettings)

@@ -79,11 +79,15 @@ class LegGait(NamedGait):
     )
     phase: tuple[_Phase, ...] = Field(description="part of a step by which each leg is late [share] (legs)")
 
+    def values(self) -> tuple[float, ...]:
+        """Return the command: frequency, duty, left and right stroke, then the phases."""
+        return (self.frequency, self.duty, *self.stroke, *self.phase)
+
 
 def legs_at_rest(body: DiscSettings) -> list[tuple[float, float, float, float]]:
     """Return hip x, y and foot x, y of each leg at rest [m], ahead and left of the body's centre; none on wheels."""
-    if not isinstance(body, LeggedSettings):
-        return []
+    if not isinstance(body, LeggedSettings):  # in MuJoCo a leg moves upright: seen from above only the foot shows
+        return [(x, y, x, 1.5 * y) for x, y in getattr(body, "hips", ())]
     legs = body.legs
     if legs.joint == "prismatic":  # seen from above only the foot shows, outside its hip
         feet = [(x, y * (1.0 + 0.3 * legs.length / abs(y)) if y else y) for x, y in zip(legs.x, legs.y, strict=True)]

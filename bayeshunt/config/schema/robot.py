@@ -9,6 +9,7 @@ from pydantic import Field, SerializeAsAny, TypeAdapter, ValidationInfo, field_v
 from bayeshunt.config.schema.bodies import BodySettings, GaitSettings, NoiseSettings
 from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.config.schema.groups import Positive, ShownSettings
+from bayeshunt.config.schema.protocol import PhysicsSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 
@@ -62,6 +63,15 @@ class RobotSettings(ShownSettings):
 
     def __repr__(self) -> str:
         return f"<RobotSettings {self.name!r}: {self.body.drive} drive, {len(self.gait)} gaits>"
+
+    @property
+    def physics(self) -> PhysicsSettings:
+        """How time advances with this robot, where no experiment says it: by a step that its body may ask for."""
+        step: float | None = getattr(self.body, "physics_step", None)
+        usual = PhysicsSettings()
+        if step is None:
+            return usual
+        return PhysicsSettings(step=step, control_steps=max(1, round(usual.control_interval / step)))
 
     @property
     def top_speed(self) -> float:

@@ -68,7 +68,8 @@ def babble_to_file(
     Raises InputError for a wrong number, FolderInUseError if another process is making the same file,
     DataError if shards of another table are in the way. What else is in the folder of the shards is left there.
     """
-    robot, physics = load_robot(robot), PhysicsSettings()
+    robot = load_robot(robot)
+    physics = robot.physics
     check_whole(steps, "steps", 1)
     check_whole(seed, "seed", 0)
     workers.check_jobs(jobs)

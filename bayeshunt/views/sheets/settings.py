@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from bayeshunt.config.schema import ArenaSettings, ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
+from bayeshunt.config.schema.mujoco import MujocoGait
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.units import degrees, length, speed
 from bayeshunt.planners.api import Shown
@@ -70,6 +72,22 @@ def _on_legs(shown: RobotSettings) -> _Body:
     return pairs, ("gait", "steps Hz", "foot down %", "left °", "right °", "phases %"), rows
 
 
+def _in_mujoco(shown: RobotSettings) -> _Body:
+    body: Any = shown.body
+    pairs = [
+        ("body", f"{length(body.body_length)} long, MuJoCo model {clean(body.model)}"),
+        ("servos", f"targets follow sines, at most {degrees(body.max_rate)}/s; friction {body.friction:g}"),
+        ("falls", f"set upright after {body.fall_time:g} s beyond {degrees(body.fall_angle)}"),
+    ]
+    rows: list[tuple[str, ...]] = []
+    for gait in shown.gait:
+        assert isinstance(gait, MujocoGait)
+        angles = (" ".join(f"{math.degrees(v):.0f}" for v in part) for part in (gait.amplitude, gait.offset))
+        cycles = " ".join(f"{100 * phase:.0f}" for phase in gait.phase)
+        rows.append((gait.name, " ".join(f"{hz:g}" for hz in dict.fromkeys(gait.frequency)), *angles, cycles))
+    return pairs, ("gait", "Hz", "amplitude °", "offset °", "phases %"), rows
+
+
 def _registered(shown: RobotSettings) -> _Body:
     """A robot whose kind of body was registered: what its own settings say, and its commands as they are."""
     body = shown.body
@@ -87,7 +105,9 @@ def _registered(shown: RobotSettings) -> _Body:
 
 
 #: How the bodies that ship are described.
-_BODIES: dict[str, Callable[[RobotSettings], _Body]] = {"differential": _wheels, "car": _wheels, "legs": _on_legs}
+_BODIES: dict[str, Callable[[RobotSettings], _Body]] = {
+    "differential": _wheels, "car": _wheels, "legs": _on_legs, "mujoco": _in_mujoco,
+}  # fmt: skip
 
 
 def gaits(shown: GaitRepertoire) -> Sheet:
