@@ -18,7 +18,7 @@ import pandas as pd
 from bayeshunt.config.loading import recorded_gaits
 from bayeshunt.core import displays
 from bayeshunt.core.arguments import check_fields, checked_but
-from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.bins import Axis, EffectAxes
 from bayeshunt.core.checks import check_kind, check_pseudo_count, check_whole
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -31,6 +31,7 @@ from bayeshunt.models.assessment.structures import compare
 from bayeshunt.models.assessment.warnings import warnings
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.counting.auto_axes import chosen_axes
+from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.tables.effects import check_size
 from bayeshunt.models.tables.structures import (
     NAIVE,
@@ -41,6 +42,8 @@ from bayeshunt.models.tables.structures import (
     find_structure,
 )
 
+#: Bins that know no body.
+_ANY_AXES = EffectAxes(Axis.linear("Distance", 1.0), Axis.full_turn("Angle", 1), Axis.full_turn("Heading", 1))
 #: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.
 PRIOR = 0.03
 
@@ -226,11 +229,13 @@ def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
 
 
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
+    record = frame.attrs.get(PROVENANCE_KEY, {})
     if gaits is not None:
-        return GaitRepertoire.of(gaits)
+        given = GaitRepertoire.of(gaits)
+        return given if given.body_length is not None else measured(given, _ANY_AXES, record)[0]
     if model is not None:
         return model.gaits
-    if "robot" not in frame.attrs.get(PROVENANCE_KEY, {}):
+    if not {"robot", "repertoire"} & set(record):
         raise InputError("the table does not say which robot made it; give its gaits: assess(frame, robot.gaits)")
     return recorded_gaits(frame)
 

@@ -21,7 +21,7 @@ from bayeshunt.data import babbling_table
 __all__ = ["auto_axes", "chosen_axes", "density_losses"]
 
 _FOLDS = 5
-_TURNS = (6, 7, 8, 9, 10, 12, 14, 16, 18, 20, 24, 30, 36, 48, 60, 72, 90, 120, 180, 360)
+_TURNS = (6, 8, 9, 10, 12, 15, 18, 20, 24, 30, 36, 45, 60, 72, 90, 120, 180, 360)
 #: Widths of distance bins, as shares of the median distance.
 _SHARES = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25)
 #: Pseudo-count per cell while bins are compared; between 0.01 and 0.1 it hardly matters.
