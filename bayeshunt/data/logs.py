@@ -71,11 +71,20 @@ def read_log(
     if kept.empty:
         raise DataError(f"{source}: no row has a time, a pose and a command")
     kept.attrs[parquet.PROVENANCE_KEY] = {
-        "source": {"file": Path(source).name, "sha256": hashlib.sha256(Path(source).read_bytes()).hexdigest(),
+        "source": {"file": Path(source).name, "sha256": _digest(Path(source)),
                    "columns": {k: v for k, v in found.items() if v}},
         "notes": [note, *notes, *_turning(kept)], "dropped": {k: v for k, v in {**dropped, **lost}.items() if v},
     }  # fmt: skip
     return kept
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file; of a folder (a rosbag2) that of its files, one after the other by name."""
+    digest = hashlib.sha256()
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if file.is_file():
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
 
 
 def read_table(path: str | os.PathLike[str], reader: str | None = None) -> pd.DataFrame:

@@ -55,6 +55,22 @@ def sleap(path: Path) -> Path:
     return path
 
 
+def pose_h5(path: Path) -> Path:
+    pytest.importorskip("tables")
+    columns = pd.MultiIndex.from_product(
+        [["net"], ["nose", "tail"], ["x", "y", "likelihood"]], names=["scorer", "bodyparts", "coords"]
+    )
+    pd.DataFrame(np.random.default_rng(0).random((40, 6)), columns=columns).to_hdf(path, key="df_with_missing")
+    return path
+
+
+def bag(path: Path) -> Path:
+    pytest.importorskip("rosbags")
+    from test_ros_bags import bag as made
+
+    return made(path.parent, 1).rename(path)
+
+
 def log(path: Path) -> Path:
     n = np.arange(200)
     pd.DataFrame({"time": n * 0.05, "x": n * 0.01, "y": 0.0, "yaw": 0.0, "left": n // 50, "right": 1}).to_csv(
@@ -74,7 +90,7 @@ def as_log(path: Path) -> pd.DataFrame:
 @pytest.mark.parametrize(
     ("make", "name", "read"),
     [(tidy, "t.csv", as_tracks), (plain, "t.txt", as_tracks), (parquet, "t.parquet", as_tracks), (trex, "t_id1.npz", as_tracks),
-     (pose, "p.csv", as_tracks), (sleap, "s.h5", as_tracks), (log, "log.csv", as_log)],
+     (pose, "p.csv", as_tracks), (sleap, "s.h5", as_tracks), (pose_h5, "d.h5", as_tracks), (bag, "b.bag", as_log), (log, "log.csv", as_log)],
 )  # fmt: skip
 def test_damage_is_one_line(make: Callable, name: str, read: Callable, tmp_path: Path) -> None:
     good = make(tmp_path / name).read_bytes()
