@@ -133,7 +133,10 @@ def follow_prey(
     ] = None,
     walkers: Annotated[int, typer.Option(min=1, help="Walkers followed, in all.")] = 200,
     model: Annotated[
-        list[str] | None, typer.Option(help="counts (the paper's), constant_velocity, conditioned. Default: all.")
+        list[str] | None,
+        typer.Option(
+            help="counts (the paper's), table (of other people), constant_velocity, conditioned. Default: all."
+        ),
     ] = None,
     planner: Annotated[str, typer.Option(help="Planner that follows, the same for all.")] = "planning",
     band: Annotated[str, typer.Option(help="Distances that are company, NEAR,FAR [m].")] = "0.5,2.5",
@@ -144,7 +147,7 @@ def follow_prey(
 ) -> None:
     """Follow people: a hunter of a person's size and pace after recorded walkers, one prey model after the other.
 
-    Models are compared in pairs, on the same walkers; conditioned is learned from the other scenes of the folder.
+    Models are compared in pairs, on the same walkers; table and conditioned are learned from the other scenes.
 
     Example:  bayeshunt prey follow recordings --rate 2.5 --unit m --scene zara01.txt --walkers 50
     """

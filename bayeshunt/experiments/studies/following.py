@@ -39,8 +39,9 @@ from bayeshunt.worlds.scene import HUNTER, PREY
 
 __all__ = ["MODELS", "Walker", "follow", "summary", "walkers_of"]
 
-#: Prey models that can be compared: the paper's, empty at the start; the last step goes on; people learned beforehand.
-MODELS = ("counts", "constant_velocity", "conditioned")
+#: Prey models that can be compared: the paper's, empty at the start; the same table (order 0) of other people; the last
+#: step goes on; people learned beforehand, given their speed and what constant velocity misses.
+MODELS = ("counts", "table", "constant_velocity", "conditioned")
 _PRESET, _ARENA = "follow", "open"
 _BOOTSTRAPS = 2000
 #: A company's middle distance is aimed at this far behind the walker, as a share of the band.
@@ -120,7 +121,7 @@ def follow(
     """Follow recorded walkers with each prey model; a row a walker and model.
 
     tracks: of one or more scenes, in metres. scenes: those whose walkers are followed; None: all. walkers: how many in
-    all. models: of :data:`MODELS`; "conditioned" is fitted to the other scenes, or to ``learn_from``.
+    all. models: of :data:`MODELS`; "table" and "conditioned" are fitted to the other scenes, or to ``learn_from``.
     band: distances between the centres [m] that count as company. model: of the hunter's body; None: it babbles first.
     experiment: the hunter and the start; by default preset "follow". progress: called after each hunt with 1.
 
@@ -198,9 +199,9 @@ def _prey_model(
         return ConstantVelocity()
     others = tracks[tracks["scene"].astype(str) != scene] if learn_from is None else learn_from
     if not len(others):
-        raise InputError("model 'conditioned' is learned from other scenes; give tracks of more than one scene")
+        raise InputError(f"model {name!r} is learned from other scenes; give tracks of more than one scene")
     rows = transitions(others, body.gaits.need("duration"))
-    return PreyModel.fit(rows, given="speed", residual_of="constant_velocity")
+    return PreyModel.fit(rows) if name == "table" else PreyModel.fit(rows, "speed", "constant_velocity")
 
 
 def _followed(
