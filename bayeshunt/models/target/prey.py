@@ -54,6 +54,7 @@ class PreyModel(StoredPrey):
         self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
         self._observations = 0  # 2**-10
         self._followed: tuple[Polar, ...] = ()  # what the present prey did, for a model with conditions
+        self._shares = False  # whether a copy of this model has the same conditions, which then must not change
 
     # --- learning -----------------------------------------------------------------------------
 
@@ -122,8 +123,7 @@ class PreyModel(StoredPrey):
         for cell, count in binned(transitions, self.axes):
             self._add(cell, count * PART)
         if self.conditions is not None:
-            self.conditions = self.conditions.copy()  # a copy of this model may look at the same
-            self.conditions.update(transitions)
+            self._own_conditions().update(transitions)
         return self
 
     def futures(
@@ -179,8 +179,7 @@ class PreyModel(StoredPrey):
         if merged.conditions is not None or other.conditions is not None:
             if merged.conditions is None or other.conditions is None:
                 raise InputError("cannot join a prey model with conditions and one without")
-            merged.conditions = merged.conditions.copy()
-            merged.conditions.merge(other.conditions)
+            merged._own_conditions().merge(other.conditions)
         for cell, count in other._counts.items():
             merged._add(cell, count)
         return merged
@@ -190,6 +189,7 @@ class PreyModel(StoredPrey):
         twin = PreyModel(self.axes)
         twin._counts, twin._sums, twin._observations = dict(self._counts), self._sums, self._observations
         twin.conditions, twin._followed = self.conditions, self._followed
+        self._shares = twin._shares = self.conditions is not None
         return twin
 
     # --- tables -------------------------------------------------------------------------------
@@ -308,6 +308,13 @@ class PreyModel(StoredPrey):
         parts = (distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading))
         one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._sums, parts, strict=True))
         self._sums = (one, two, three, four)
+
+    def _own_conditions(self) -> Conditions:
+        """The conditions, made this model's own before they change."""
+        assert self.conditions is not None
+        if self._shares:
+            self.conditions, self._shares = self.conditions.copy(), False
+        return self.conditions
 
     def _check_seen(self) -> None:
         if not self._observations:
