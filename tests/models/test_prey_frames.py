@@ -88,3 +88,13 @@ def test_straight_walkers_do_not_wander() -> None:
     model = bh.PreyModel.fit(bh.transitions(walk), **BOTH)
     assert model.conditions.residual.wandering == pytest.approx(0.0, abs=0.02)
     assert bh.PreyModel.fit(bh.transitions(crab(300, 0, 0.0)), **BOTH).conditions.residual.wandering > 0.15
+
+
+def test_few_individuals_are_resampled_in_blocks_of_time() -> None:
+    """Of one animal alone there is still an interval, wider where its moods last."""
+    one = bh.score_prey(crab(600, 3), ["stands", "constant_velocity"], seen=3, steps=2, split="time").set_index("model")
+    assert set(one["resampled"]) == {"blocks of time"}
+    assert (one["ade_low"] < one["ade"]).all()
+    assert (one["ade"] < one["ade_high"]).all()
+    many = pd.concat([crab(60, seed) for seed in range(5)], ignore_index=True)
+    assert set(bh.score_prey(many, ["stands"], seen=3, steps=2)["resampled"]) == {"individuals"}

@@ -25,6 +25,7 @@ __all__ = ["MODELS", "score_forward"]
 #: Everything that can be scored.
 MODELS = ("stays", "unicycle", "table", "previous_gait", "residual")
 _BOOTSTRAPS = 1000
+_BLOCK = 10  # rows that are resampled together
 _UNKNOWN = -1
 
 
@@ -47,8 +48,8 @@ def score_forward(
     folds_by: a column whose values are kept together; by default rows are drawn. folds: 2 or more. seed: of the folds.
 
     Columns: model; position_m, mean distance; heading_deg, mean absolute turn; n; position_low, position_high,
-    heading_low, heading_high: 95 %, bootstrap over the values of ``folds_by`` (over rows without: rows that follow
-    each other depend on each other, and such intervals are too narrow). Raises DataError, InputError in one line.
+    heading_low, heading_high: 95 %, bootstrap over the values of ``folds_by``; without, over blocks of ten rows,
+    because rows that follow each other depend on each other. Raises DataError, InputError in one line.
     """
     babbling_table.validate(frame)
     for value, name, least in ((folds, "folds", 2), (seed, "seed", 0)):
@@ -66,7 +67,8 @@ def score_forward(
         gait, before = _codes(frame, commands, gaits, train, seed)
         for name, foreseen in _foreseen(models, commands, gait, before, outcomes, train, test).items():
             errors[name][test] = _errors(foreseen, _rows(outcomes, test))
-    return pd.DataFrame([_record(name, values, group, seed) for name, values in errors.items()])
+    blocks = group // _BLOCK if folds_by is None else group
+    return pd.DataFrame([_record(name, values, blocks, seed) for name, values in errors.items()])
 
 
 def _commands(frame: pd.DataFrame, gaits: Any, models: Sequence[str]) -> FloatArray | None:

@@ -1,7 +1,7 @@
 """How well is a prey foreseen? Held-out scores of models and baselines on recorded tracks, side by side.
 
 A window is ``seen`` places and the ``steps`` that follow. Windows overlap and frames depend on each other, so that
-intervals come from a bootstrap over individuals, never over windows.
+intervals come from a bootstrap over individuals, never over windows; of fewer than four of them over blocks of time.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ _SAMPLES = 100
 _FOLDS = 5
 _EARLIER = 0.5  # share of the time that is learned from, with split="time"
 _BOOTSTRAPS = 1000
+#: Fewer individuals than this are no sample; blocks of so many windows are resampled instead.
+_FEW, _BLOCK = 4, 5
 #: Least width of the kernel density, and area of its uniform part, for tracks in metres.
 _FLOOR, _AREA = 0.02, 400.0
 
@@ -73,7 +75,8 @@ def score_prey(
 
     Columns: model; ade, fde, best20_ade, best20_fde, energy, nll, cover50, cover90 (see ``sampled_scores``; lengths in
     the unit of the tracks, nll in nats per square of it); n windows; individuals; ade_low, ade_high, fde_low, fde_high
-    (95 %, bootstrap over individuals); differs_low, differs_high: of ade less that of constant velocity.
+    (95 %, bootstrap over what ``resampled`` says: individuals or, of fewer than four, blocks of time five windows
+    long); differs_low, differs_high: of ade less that of constant velocity.
     Raises DataError for tracks that are none or too short, InputError for an unknown model or split.
     """
     for value, name, least in ((seen, "seen", 3), (steps, "steps", 1), (seed, "seed", 0), (most, "most", 1)):
@@ -102,7 +105,7 @@ def score_prey(
             results[name].append(sampled_scores(samples, part.places[:, seen:], floor=floor, area=area))
     if not tested:
         raise DataError(f"tracks: no individual has {seen + steps} places at {step:g} s on end")
-    return _summary(results, tested, windows, split == "scene", seed)
+    return _summary(results, tested, windows, split == "scene", seed, (seen + steps) * step)
 
 
 def _chosen(models: Sequence[Any] | Mapping[str, Any] | None) -> list[tuple[str, Any]]:
@@ -230,13 +233,18 @@ def _baseline(
 
 
 def _summary(
-    results: dict[str, list[FloatArray]], tested: list[np.ndarray], windows: _Windows, by_scene: bool, seed: int
-) -> pd.DataFrame:
+    results: dict[str, list[FloatArray]], tested: list[np.ndarray], windows: _Windows, by_scene: bool, seed: int,
+    length: float,
+) -> pd.DataFrame:  # fmt: skip
     """Means over windows (over scenes first, if they are the folds), with intervals over individuals."""
     who = np.concatenate([windows.who[mine] for mine in tested])
     fold = np.repeat(np.arange(len(tested)), [len(mine) for mine in tested])
     group = fold if by_scene else np.zeros_like(fold)
-    weights = _bootstrap(who, group, seed)
+    few = len(np.unique(who)) < _FEW
+    time = np.concatenate([windows.time[mine] for mine in tested])
+    block = np.floor(time / (_BLOCK * length)).astype(np.int64)
+    units = np.unique(np.stack([who, block], axis=1), axis=0, return_inverse=True)[1].ravel() if few else who
+    weights = _bootstrap(units, group, seed)
     reference = None
     records = []
     scores = {name: np.concatenate(parts) for name, parts in results.items()}
@@ -253,6 +261,7 @@ def _summary(
             **{str(score): value for score, value in means.items()},
             "n": len(values),
             "individuals": len(np.unique(who)),
+            "resampled": "blocks of time" if few else "individuals",
         }
         records.append({**record, **{end: float(bound) for end, bound in zip(ends, bounds, strict=True)}})
     return pd.DataFrame(records)

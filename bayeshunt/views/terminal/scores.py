@@ -58,7 +58,7 @@ def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
         )  # fmt: skip
     table.print(out)
     kept = f"whole values of {folds_by!r} are held out and resampled" if folds_by else (
-        "rows that follow each other are alike: hold out whole runs with --folds-by, else these are too narrow"
+        "blocks of ten rows are resampled; rows that follow each other are alike: hold out whole runs with --folds-by"
     )  # fmt: skip
     out.print(f"Intervals: {kept}.", style="dim", markup=False)
 
@@ -79,7 +79,9 @@ def scores_table(scores: pd.DataFrame, unit: str) -> None:
             f"{row['nll']:.2f}" if sampled else "", cover,
         )  # fmt: skip
     table.print(out)
+    resampled = scores["resampled"].iloc[0]
     out.print(
-        "Windows overlap and frames depend on each other: intervals resample individuals, not windows.", style="dim"
+        f"Windows overlap and frames depend on each other: intervals resample {resampled}, not windows.",
+        style="dim",
     )
     out.print("The point of a sampled forecast is its spatial median; covers: of the 50 and 90 % regions.", style="dim")
