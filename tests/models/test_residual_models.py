@@ -169,3 +169,10 @@ def test_a_simulated_robot_with_paths_hunts_with_it(khepera_frame) -> None:
     np.testing.assert_allclose(model.mean_paths[:, :, :2], plain.mean_paths[:, :, :2], atol=0.002)
     episode = bh.hunt("paper", bh.make_planner("planning", model), theta=0.5, seed=0)
     assert episode.caught
+
+
+def test_it_is_compared_by_the_poses_that_it_gives() -> None:
+    residual, plain = (bh.ForwardModel.fit(FRAME, GAITS, 0.03, axes=AXES, residual_of=m) for m in ("unicycle", None))
+    apart = bh.compare(plain, residual).difference["Angle"]
+    assert apart.shape[0] == 36
+    np.testing.assert_allclose(apart.sum(), 0.0, atol=1e-12)

@@ -106,7 +106,8 @@ def compare(a: ForwardModel, b: ForwardModel, level: float = 0.95) -> Comparison
     """Return how model ``b`` differs from model ``a``: before and after, two structures, two days, two robots.
 
     The models must have the same gaits and widths of bins; distance bins that only one has count as never reached by
-    the other. Where structures give a variable other parents than the gait, those are summed over.
+    the other. Where structures give a variable other parents than the gait, those are summed over. Models of residuals
+    are compared by the poses that they give, in ordinary bins.
 
     Raises InputError for other models, gaits or bins, or a level outside (0, 1).
     """
@@ -114,6 +115,7 @@ def compare(a: ForwardModel, b: ForwardModel, level: float = 0.95) -> Comparison
         check_kind(model, name, ForwardModel, "a ForwardModel")
     if a.gaits.names != b.gaits.names:
         raise InputError("the models have different gaits, so their tables have no cells in common")
+    a, b = a.binned, b.binned
     longest = max(a.axes.distance.bins, b.axes.distance.bins)
     if a.axes.extended(longest) != b.axes.extended(longest):
         raise InputError("the models have different bins; fit both with the same axes")
