@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -123,3 +124,39 @@ def _spent(hunts: pd.DataFrame) -> dict[str, float]:
         "mean_energy_j": means["energy"], "energy_low": low, "energy_high": high,
         "mean_changes": means["transitions"], "mean_falls": means["falls"],
     }  # fmt: skip
+
+
+def paired_differences(results: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return how planners differ in success on the same hunts (arena, bearing, seed), a row per arena and pair.
+
+    Keys: arena, first, second, hunts (that both hunted), only_first, only_second (caught by one alone), difference
+    (success of the first less the second), low, high (95 % interval), p (exact McNemar test, two-sided).
+    Source of the interval: A. Agresti and Y. Min, Simple improved confidence intervals for comparing matched
+    proportions, Statistics in Medicine 24 (2005).
+    """
+    rows = []
+    for arena, here in results.groupby("arena", sort=False):
+        caught = here.pivot_table(index=["theta", "seed"], columns="planner", values="caught", aggfunc="first")
+        for first, second in combinations(dict.fromkeys(here["planner"]), 2):
+            both = caught[[first, second]].dropna().astype(bool)
+            if len(both):
+                rows.append({"arena": str(arena), "first": first, "second": second, **_paired(*both.to_numpy().T)})
+    return rows
+
+
+def _paired(first: np.ndarray, second: np.ndarray) -> dict[str, Any]:
+    from scipy.stats import binomtest
+
+    only_first, only_second = int((first & ~second).sum()), int((second & ~first).sum())
+    b, c, n = only_first + 0.5, only_second + 0.5, len(first) + 2
+    middle, spread = (b - c) / n, _Z95 * math.sqrt(max((b + c) - (b - c) ** 2 / n, 0.0)) / n
+    either = only_first + only_second
+    return {
+        "hunts": len(first),
+        "only_first": only_first,
+        "only_second": only_second,
+        "difference": (only_first - only_second) / len(first),
+        "low": max(middle - spread, -1.0),
+        "high": min(middle + spread, 1.0),
+        "p": float(binomtest(only_first, either).pvalue) if either else 1.0,
+    }

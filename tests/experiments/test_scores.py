@@ -1,11 +1,13 @@
 """Intervals and summaries against numbers from elsewhere."""
 
+import math
+
 import pandas as pd
 import pytest
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import InputError
-from bayeshunt.experiments.scores import as_evaluated, mean_interval, summarise, wilson_interval
+from bayeshunt.experiments.scores import as_evaluated, mean_interval, paired_differences, summarise, wilson_interval
 
 
 @pytest.mark.parametrize(
@@ -88,3 +90,19 @@ def test_the_interval_of_a_mean_is_students():
     low, high = mean_interval([10.0, 20.0, 60.0])  # t(0.975, 2) = 4.302653 times 26.457513 / sqrt(3), by hand
     assert (low, high) == (pytest.approx(30 - 65.7241, abs=1e-3), pytest.approx(30 + 65.7241, abs=1e-3))
     assert mean_interval([7.5]) == (7.5, 7.5)
+
+
+def test_planners_are_compared_on_the_same_hunts():
+    """A table by hand: 4 hunts caught by both, 5 by the first alone, 1 by the second alone, 10 by none."""
+    rows = []
+    for k in range(20):
+        caught = {"a": k < 9, "b": k < 4 or k == 9}
+        rows += [{"planner": p, "arena": "open", "theta": k % 4, "seed": k, "caught": c} for p, c in caught.items()]
+    rows += [{"planner": "a", "arena": "open", "theta": 9, "seed": 99, "caught": True}]  # hunted by one alone
+    (found,) = paired_differences(pd.DataFrame(rows))
+    assert (found["first"], found["second"], found["hunts"]) == ("a", "b", 20)
+    assert (found["only_first"], found["only_second"]) == (5, 1)
+    assert found["difference"] == pytest.approx(0.2)
+    middle, spread = 4 / 22, 1.959963984540054 * math.sqrt(7 - 16 / 22) / 22
+    assert (found["low"], found["high"]) == (pytest.approx(middle - spread), pytest.approx(middle + spread))
+    assert found["p"] == pytest.approx(2 * (1 + 6) / 64)  # two-sided binomial, 1 of 6

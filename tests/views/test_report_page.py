@@ -11,6 +11,7 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.core.errors import DataError
 from bayeshunt.views.pages.report import report_facts, report_html, write_report
+from bayeshunt.views.pages.report_charts import styles, time_charts
 from bayeshunt.views.pages.report_gallery import choose
 
 SETTINGS = bh.load_experiment("paper", {"protocol.runs": 2})
@@ -148,3 +149,20 @@ def test_results_that_say_too_little_are_refused(results, tmp_path):
     with pytest.raises(DataError, match="hold no hunt"):
         write_report(with_attrs(results.iloc[:0].copy(), results), tmp_path / "report.html")
     assert not (tmp_path / "report.html").exists()
+
+
+def test_many_planners_get_a_chart_each(results):
+    copies = [results.assign(planner=f"planner {k}") for k in range(5)]
+    many = pd.concat(copies, ignore_index=True)
+    arenas = many["arena"].nunique()
+    looks = styles([f"planner {k}" for k in range(5)])
+    charts = time_charts(many, SETTINGS, looks)
+    assert len(charts) == 5 * arenas
+    assert all(len(chart["series"]) == 1 and len(chart["ghosts"]) == 4 for chart in charts)
+    assert len({chart["caption"] for chart in charts}) == len(charts)
+    for chart in charts:
+        (series,) = chart["series"]
+        line = [tuple(map(float, point.split(","))) for point in series["line"].split()]
+        band = [tuple(map(float, point.split(","))) for point in series["band"].split()]
+        low, high = band[: len(band) // 2], band[len(band) // 2 :]
+        assert low[-1][1] >= line[-1][1] >= high[0][1]  # pixels count downwards

@@ -76,10 +76,31 @@ function drawRobot(svg, plane) {
   shape("path", { class: "nose", d: `M${x} ${y - 0.8 * r}l${0.5 * r} ${1.2 * r}l${-0.5 * r} ${-0.3 * r}l${-0.5 * r} ${0.3 * r}z` }, svg);
 }
 
+/* The name of every gait beside its end, as far as they do not lie upon each other. */
+function nameEnds(svg, plane) {
+  const taken = [];
+  return plane.scene.paths.map((points, i) => {
+    const text = shape("text", { class: "gait-name" }, svg);
+    if (!points.length) return text;
+    const [x, y] = plane.at(...points[points.length - 1]), left = x < SIZE / 2 - 4, name = plane.scene.gaits[i];
+    const width = 5.6 * name.length, from = left ? x - 6 - width : x + 6;
+    let at = y + 4;
+    for (const shift of [0, 11, -11, 22, -22, 33, -33, 44, -44]) {
+      at = y + 4 + shift;
+      if (!taken.some(([u, v, w]) => Math.abs(v - at) < 10 && from < u + w && u < from + width)) break;
+    }
+    taken.push([from, at, width]);
+    for (const [key, value] of Object.entries({ x: left ? x - 6 : x + 6, y: at, "text-anchor": left ? "end" : "start" })) text.setAttribute(key, value);
+    text.textContent = name;
+    return text;
+  });
+}
+
 /* The moving parts of the picture; `update` shows an answer, `point` moves the target alone. */
 function drawField(svg, plane) {
   drawGround(svg, plane);
   const outcomes = shape("g", {}, svg);
+  drawRobot(svg, plane); // below the paths: gaits that turn on the spot end upon it
   const paths = plane.scene.paths.map((points) => {
     const group = shape("g", {}, svg);
     if (!points.length) return group;
@@ -89,9 +110,9 @@ function drawField(svg, plane) {
     shape("circle", { class: "end", cx: x, cy: y, r: 3 }, group);
     return group;
   });
-  drawRobot(svg, plane);
+  const names = nameEnds(svg, plane);
   const snap = shape("line", { class: "snap" }, svg), cell = shape("path", { class: "cell" }, svg);
-  const grip = shape("circle", { class: "target-grip", r: 11 }, svg), cross = shape("path", { class: "target" }, svg);
+  const grip = shape("circle", { class: "target-grip", r: 13 }, svg), cross = shape("path", { class: "target" }, svg);
   let tip = [0, 0];
   const join = (answer) => {
     const [x, y] = plane.centre(...answer.cell);
@@ -113,7 +134,8 @@ function drawField(svg, plane) {
       outcomes.replaceChildren(...answer.outcomes.map(([distance, angle, probability]) =>
         shape("path", { class: "outcome", d: plane.sector(distance, angle), "fill-opacity": (0.1 + (0.6 * probability) / most).toFixed(3) })));
       paths.forEach((group, i) => {
-        group.setAttribute("opacity", (0.12 + 0.88 * answer.probabilities[i]).toFixed(3));
+        group.setAttribute("opacity", (0.35 + 0.65 * answer.probabilities[i]).toFixed(3));
+        names[i].classList.toggle("best", plane.scene.gaits[i] === answer.best);
         if (group.firstChild) group.firstChild.classList.toggle("best", plane.scene.gaits[i] === answer.best);
       });
     },

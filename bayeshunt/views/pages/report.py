@@ -18,7 +18,7 @@ from bayeshunt.core.errors import DataError
 from bayeshunt.core.units import theta
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.reported import compare
-from bayeshunt.experiments.scores import as_evaluated, summarise
+from bayeshunt.experiments.scores import as_evaluated, paired_differences, summarise
 from bayeshunt.experiments.store.export import NOT_AB_INITIO, another_model
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
@@ -31,6 +31,7 @@ from bayeshunt.views.pages.replay import SCRIPTS, STYLES
 from bayeshunt.views.pages.report_charts import styles, success_charts, time_charts
 from bayeshunt.views.pages.report_gallery import Shelf, build_shelf
 
+_MOST_PAIRS = 60  # of planners, in the table of differences
 #: Called with the number of rows of the gallery that have just been made.
 Progress = Callable[[int], None]
 
@@ -102,6 +103,7 @@ def report_facts(
         "published": list(shown.published),
         "reported": reported.sentences(compared), "tests": reported.TESTS, "tested": reported.p_values(compared),
         "by_theta": any(row["paper_success"] is not None for row in rows if row["theta"] is not None),
+        "paired": paired_differences(results)[:_MOST_PAIRS],
         "success": success_charts(rows, looks),
         "times": time_charts(results, settings, looks),
         "pace": [_pace(results, shelf) for shelf in shelves],

@@ -13,12 +13,15 @@ import pandas as pd
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.units import degrees, theta
+from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.views.theme import PLANNERS
 
 #: Values of an axis and what is written there.
 Ticks = list[tuple[float, str]]
 #: Size of a chart [px]; the page scales it.
 WIDTH, HEIGHT = 440, 290
+#: Planners that one chart holds; more get a chart each.
+_TOGETHER = 3
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 14, 14, 44
 #: Marker outlines around (0, 0), as SVG paths: they tell the planners apart where colours do not.
 MARKERS = (
@@ -65,15 +68,39 @@ def success_charts(rows: list[dict[str, Any]], looks: dict[str, dict[str, Any]])
         chart = _frame(f"Success by first bearing of the prey, {arena} arena", x, y, ticks, _percent_ticks())
         chart |= {"arena": arena, "x_label": "first bearing of the prey, clockwise", "y_label": "caught"}
         chart["series"] = [
-            {**looks[name], "points": _whiskers([r for r in here if r["planner"] == name], x, y, _dodge(i, len(names)))}
+            {
+                **looks[name],
+                "band": "",
+                "points": _whiskers([r for r in here if r["planner"] == name], x, y, _dodge(i, len(names))),
+            }
             for i, name in enumerate(names)
         ]
         for place, (name, series) in enumerate(zip(names, chart["series"], strict=True)):
-            mine = [r for r in here if r["planner"] == name]
+            mine = _of(here, name)
             series["published"] = _published(mine, x, y, _dodge(place, len(names)))
             series["line"] = " ".join(f"{p['x']},{p['y']}" for p in series["points"])
-        charts.append(chart)
+        charts += _apart(chart)
     return charts
+
+
+def _of(rows: list[dict[str, Any]], planner: str) -> list[dict[str, Any]]:
+    return [row for row in rows if row["planner"] == planner]
+
+
+def _apart(chart: dict[str, Any]) -> list[dict[str, Any]]:
+    """The chart; where it has more planners than can be told apart, one for each of them, the others faint behind."""
+    if len(chart["series"]) <= _TOGETHER:
+        return [chart]
+    return [
+        {
+            **chart,
+            "title": f"{chart['title']}: {own['planner']}",
+            "caption": f"{own['planner']}, {chart['arena']} arena",
+            "series": [own],
+            "ghosts": [other["line"] for other in chart["series"] if other is not own],
+        }
+        for own in chart["series"]
+    ]
 
 
 def time_charts(
@@ -87,16 +114,22 @@ def time_charts(
         chart = _frame(f"Share caught by time, {arena} arena", x, y, ticks, _percent_ticks())
         chart |= {"arena": str(arena), "x_label": "time since the start [s]", "y_label": "caught by then"}
         chart["series"] = [
-            {**looks[str(name)], "points": [], "published": [], "line": _staircase(some, limit, x, y)}
+            {
+                **looks[str(name)],
+                "points": [],
+                "published": [],
+                "line": _staircase(some, limit, x, y),
+                "band": _band(some, limit, x, y),
+            }
             for name, some in hunts.groupby("planner", sort=False)
         ]
-        charts.append(chart)
+        charts += _apart(chart)
     return charts
 
 
 def _frame(title: str, x: Scale, y: Scale, x_ticks: Ticks, y_ticks: Ticks) -> dict[str, Any]:
     return {
-        "title": title, "width": WIDTH, "height": HEIGHT,
+        "title": title, "caption": "", "ghosts": [], "width": WIDTH, "height": HEIGHT,
         "left": _LEFT, "right": WIDTH - _RIGHT, "top": _TOP, "bottom": HEIGHT - _BOTTOM,
         "x_ticks": [(x(value), label) for value, label in x_ticks],
         "y_ticks": [(y(value), label) for value, label in y_ticks],
@@ -153,6 +186,20 @@ def _staircase(hunts: pd.DataFrame, limit: float, x: Scale, y: Scale) -> str:
         points += [(x(time), y(before)), (x(time), y(share))]
         before = share
     return " ".join(f"{a},{b}" for a, b in [*points, (x(limit), y(before))])
+
+
+def _band(hunts: pd.DataFrame, limit: float, x: Scale, y: Scale) -> str:
+    """Outline of the 95 % Wilson interval of the share caught by each time: along the low end, back along the high."""
+    times, runs = np.sort(hunts.loc[hunts["caught"], "time"].to_numpy()), len(hunts)
+    at = [0.0, *np.unique(times).tolist(), limit]
+    ends = [wilson_interval(int(np.searchsorted(times, time, side="right")), runs) for time in at]
+    lines = []
+    for which in (0, 1):
+        points = [(x(at[0]), y(ends[0][which]))]
+        for time, before, now in zip(at[1:], ends, ends[1:], strict=False):
+            points += [(x(time), y(before[which])), (x(time), y(now[which]))]
+        lines.append(points)
+    return " ".join(f"{a},{b}" for a, b in [*lines[0], *reversed(lines[1])])
 
 
 def _arenas(rows: list[dict[str, Any]]) -> list[str]:
