@@ -1,7 +1,7 @@
 """Make the pictures of the README: ``python docs/make_images.py``.
 
-Needs the extras ``notebook`` and ``test`` and a Chromium on the path. Everything is made from the
-preset "paper" and seed 0, so the pictures change only when the program does.
+Needs the extras ``notebook`` and ``test`` and a Chromium on the path. Everything is made from presets
+and seed 0, so the pictures change only when the program does.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import json
 import shutil
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 from playwright.sync_api import Browser, sync_playwright
@@ -56,9 +55,12 @@ def main() -> None:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
             draw_replay(browser, episodes[6], model, Path(folder))
-            draw_explorer(browser, model, Path(folder))
+            slippery = bh.load_experiment("slippery")
+            graded = learn_model(slippery, 0)
+            draw_explorer(browser, graded, Path(folder))
+            draw_network(browser, graded, Path(folder))
             browser.close()
-    for name in ("hunts", "replay", "explorer"):
+    for name in ("hunts", "replay", "explorer", "network"):
         size = (IMAGES / f"{name}.png").stat().st_size
         print(f"{IMAGES / name}.png: {size} bytes")
         if size > LIMIT:
@@ -68,30 +70,44 @@ def main() -> None:
 def draw_replay(browser: Browser, episode: bh.Episode, model: bh.ForwardModel, folder: Path) -> None:
     """The replay of a planning hunt, some decisions in."""
     bh.write_replay(episode, folder / "replay.html", model=model)
-    page = browser.new_page(viewport={"width": 1240, "height": 940})
+    page = browser.new_page(viewport={"width": 1240, "height": 830})
     page.goto((folder / "replay.html").as_uri())
     for _ in range(4):
         page.keyboard.press("ArrowRight")
+    page.locator("[data-part=icicle] rect.lit").last.hover()
     page.screenshot(path=IMAGES / "replay.png")
     page.close()
 
 
 def draw_explorer(browser: Browser, model: bh.ForwardModel, folder: Path) -> None:
     """The explorer's own script and style in a bare page, with the values that Python sends."""
-    smoothed = replace(model, prior=1.0)  # maximum likelihood would be certain almost everywhere
-    explorer = bh.Explorer(smoothed, distance=0.146, angle=0.56)
+    explorer = bh.Explorer(model, distance=0.14, angle=0.5)
     values = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
-    page = browser.new_page(viewport={"width": 860, "height": 480})
+    page = browser.new_page(viewport={"width": 860, "height": 520})
     (folder / "explorer.html").write_text(
         f"<!doctype html><meta charset='utf-8'><style>{bh.Explorer._css}</style><div id='place'></div>"
         f"<script type='application/json' id='values'>{embed(json.loads(json.dumps(values)))}</script>"
-        f"<script type='text/plain' id='widget'>{asset('units.js')}{asset('explorer.js')}</script>"
+        f"<script type='text/plain' id='widget'>{asset('units.js')}{asset('trace.js')}{asset('explorer.js')}</script>"
         f"<script>{_STAND_IN}</script>",
         encoding="utf-8",
     )
     page.goto((folder / "explorer.html").as_uri())
     page.wait_for_selector("body[data-ready]")
     page.locator(".bh-explorer").screenshot(path=IMAGES / "explorer.png")
+    page.close()
+
+
+def draw_network(browser: Browser, model: bh.ForwardModel, folder: Path) -> None:
+    """The network with two nodes known."""
+    network = bh.Network(model)
+    network.save(folder / "network.html")
+    page = browser.new_page(viewport={"width": 1180, "height": 660})
+    page.goto((folder / "network.html").as_uri())
+    for node, value in (("Distance", 0.14), ("Angle", 0.5)):
+        state = network.states[node].index(network.named({node: value})["evidence"][node])
+        page.get_by_role("listbox", name=node).get_by_role("option").nth(state).click()
+    page.mouse.move(5, 5)
+    page.locator("#place").screenshot(path=IMAGES / "network.png")
     page.close()
 
 

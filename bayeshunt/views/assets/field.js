@@ -131,7 +131,7 @@ function drawConsidered(pen, { considered: nodes }, start) {
 }
 
 /* One alternative: from node to node, its end, and where the prey is expected by then. */
-function drawPath(pen, step, start, path) {
+function drawPath(pen, step, start, path, ahead) {
   const { g, ink } = pen, nodes = step.considered;
   const poses = [start, ...path.map((node) => endOf(nodes, node, start)).filter(Boolean)];
   if (poses.length < 2) return;
@@ -139,7 +139,7 @@ function drawPath(pen, step, start, path) {
   g.lineWidth = 3;
   line(pen, [poses[0], ...poses.slice(1).flatMap((pose, i) => arcPoints(poses[i], pose))]);
   for (const pose of poses.slice(1)) dot(pen, pose, 4);
-  const prey = step.predicted[poses.length - 1];
+  const prey = step.predicted[ahead];
   if (!prey) return;
   g.lineWidth = 1.5;
   g.setLineDash([2, 4]);

@@ -68,7 +68,8 @@ function spreads(nodes) {
 }
 
 class Icicle {
-  /* parts: box (takes the keys), picture (an svg), readout; told(path) hears which nodes lead to the one pointed at. */
+  /* parts: box (takes the keys), picture (an svg), readout; told(path, steps) hears which nodes lead to the one pointed at,
+     and how many gaits that is. */
   constructor({ box, picture, readout }, told) {
     Object.assign(this, { box, picture, readout, told, tree: null, at: 0, pointed: -1 });
     const find = (event) => (event.target.dataset.at === undefined ? -1 : Number(event.target.dataset.at));
@@ -107,7 +108,9 @@ class Icicle {
     this.drawn.forEach((rect, i) => rect.classList.toggle("pointed", path.has(i)));
     const item = at >= 0 ? this.tree[at] : null;
     this.readout.textContent = this.words(item ? item.node : null, item ? this.path(at) : []);
-    this.told(at >= 0 ? this.path(at).map((i) => this.tree[i].node).filter((node) => node >= 0) : []);
+    const below = at >= 0 ? this.path(at).slice(1).map((i) => this.tree[i]) : [];
+    const steps = below.reduce((sum, { label }) => sum + Number((/ x(\d+)$/.exec(label) || [0, 1])[1]), 0);
+    this.told(below.map(({ node }) => node).filter((node) => node >= 0), steps);
   }
 
   hold(at) {

@@ -39,8 +39,8 @@ class Player {
     this.path = [];
     const parts = this.parts;
     this.lanes = new Lanes(parts.lanes, (time) => (this.leader || this).scrubTo(time));
-    this.icicle = new Icicle({ box: parts["icicle-box"], picture: parts.icicle, readout: parts["icicle-words"] }, (path) => {
-      this.path = path;
+    this.icicle = new Icicle({ box: parts["icicle-box"], picture: parts.icicle, readout: parts["icicle-words"] }, (path, steps) => {
+      [this.path, this.ahead] = [path, steps];
       this.draw();
     });
     this.trace = new TracePanel(root);
@@ -348,7 +348,7 @@ class Player {
       const words = path.slice(1).map((i) => this.icicle.tree[i].label).join(" → ") || "now";
       const value = node >= 0 ? nodes.value[node] : null, best = step.value;
       if (value === null) return `${words}: not weighed itself`;
-      const off = best === null ? 0 : value - best, more = Number(Math.abs(off).toPrecision(3));
+      const off = best === null || Math.abs(value - best) < 1e-4 * Math.abs(best) ? 0 : value - best, more = Number(Math.abs(off).toPrecision(3));
       const worse = more ? `, ${off > 0 ? "+" : "−"}${more} against the chosen` : "";
       return `${words}: ${Number(value.toPrecision(4))} ${unit}${worse}`;
     });
@@ -431,7 +431,7 @@ class Player {
     if (layer("show-considered")) drawConsidered(pen, step, start);
     if (layer("show-predicted")) drawPredicted(pen, step, this.hunt.radius[1]);
     if (layer("show-plan")) drawPlan(pen, step);
-    if (this.path.length) drawPath(pen, step, start, this.path);
+    if (this.path.length) drawPath(pen, step, start, this.path, this.ahead);
     drawRobot(pen, prey, this.hunt.radius[1], ink("prey"));
     drawRobot(pen, hunter, this.hunt.radius[0], ink("hunter"), this.hunt.legs);
     if (this.hunt.caught && this.time >= this.duration - 1e-9) drawCatch(pen, hunter, prey, this.hunt.outcome);
