@@ -16,13 +16,13 @@ __all__ = ["PreyMotion"]
 #: Width of the bins in which turns are counted [rad].
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
-_REBOUND_SPREAD, _MEETING_SPREAD = 0.25, 0.3
+_REBOUND_SPREAD, _MEETING_SPREAD = 0.4, 0.35
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
 #: How many time-steps the first guess at the share of standing still is worth.
 _STILL_STEPS = 4.0
 #: Share by which a speed differs from the one expected, and by which it changes in a time-step.
-_SPEED_SPREAD, _SPEED_CHANGE = 0.12, 0.02
+_SPEED_SPREAD, _SPEED_CHANGE = 0.12, 0.01
 #: Bounces within one move of a particle: two, in a corner.
 _BOUNCES = 2
 
@@ -35,7 +35,8 @@ class PreyMotion:
     walls: known walls; None: none. still: share of prey that stand, believed beforehand.
     steps, turns: expected numbers of time-steps seen and of those with a turn, by chance and not at a wall.
     turn_counts: of the turns by their angle [36]. still_steps: expected number of time-steps in which it stood.
-    speed_sum: metres per second, over the time-steps in which it moved.
+    speed_sum: metres per second, over the time-steps in which it moved. drift_sum, drift_steps: squared heading changes
+    [rad^2] of the time-steps in which it went straight on, and how many those were.
     """
 
     prior: TurnModel
@@ -47,6 +48,8 @@ class PreyMotion:
     turn_counts: tuple[float, ...] = (0.0,) * _TURN_BINS
     still_steps: float = 0.0
     speed_sum: float = 0.0
+    drift_sum: float = 0.0
+    drift_steps: float = 0.0
 
     @property
     def hazard(self) -> float:
@@ -66,6 +69,13 @@ class PreyMotion:
         prior = self.prior.prior_speed / self.time_step
         moved = max(self.steps - self.still_steps, 0.0)
         return (self.speed_sum + prior) / (moved + 1.0)
+
+    @property
+    def drift(self) -> float:
+        """Radians by which the heading wanders per time-step without a turn (standard deviation)."""
+        prior = self.prior
+        total = self.drift_sum + prior.prior_steps * prior.prior_drift**2
+        return float((total / (self.drift_steps + prior.prior_steps)) ** 0.5)
 
     def turn_table(self) -> tuple[FloatArray, FloatArray]:
         """Return heading changes [rad, clockwise] and P(change | a turn): own turns as a guess, and those seen."""
@@ -93,7 +103,7 @@ class PreyMotion:
             return cloud
         count, share = len(cloud), duration / self.time_step
         moving = ~cloud.still
-        theta = cloud.theta + np.where(moving, rng.normal(0.0, self.prior.drift * share**0.5, count), 0.0)
+        theta = cloud.theta + np.where(moving, rng.normal(0.0, self.drift * share**0.5, count), 0.0)
         turned = cloud.turned
         turns, chances = self.turn_table()
         turning = moving & (rng.random(count) < 1.0 - (1.0 - min(self.hazard, 1.0)) ** share)
@@ -115,12 +125,16 @@ class PreyMotion:
         bins = np.floor((np.asarray(wrap(cloud.turned)) + np.pi) / (2.0 * np.pi / _TURN_BINS)).astype(int) % _TURN_BINS
         happened = (cloud.turned != 0.0) & ~cloud.still
         counted = np.bincount(bins[happened], weights=weight[happened], minlength=_TURN_BINS)
+        change = np.asarray(wrap(cloud.theta - cloud.from_theta))
+        straight = weight * (~cloud.still & (cloud.turned == 0.0) & (np.abs(change) < self.prior.threshold))
         return replace(
             self,
             steps=self.steps + 1.0,
             turns=self.turns + float(weight @ happened),
             turn_counts=tuple((np.array(self.turn_counts) + counted).tolist()),
             still_steps=self.still_steps + stood,
+            drift_sum=self.drift_sum + float(straight @ np.square(change)),
+            drift_steps=self.drift_steps + float(straight.sum()),
             speed_sum=self.speed_sum + float(weight @ np.where(cloud.still, 0.0, cloud.speed)),
         )
 

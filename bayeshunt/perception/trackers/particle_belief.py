@@ -55,7 +55,7 @@ class ParticleBelief:
 
     def _facts(self) -> tuple[object, ...]:
         known = self.motion
-        learned = (known.steps, known.turns, known.turn_counts, known.still_steps, known.speed_sum)
+        learned = (known.steps, known.turns, known.turn_counts, known.still_steps, known.speed_sum, known.drift_sum)
         return (self.time, self.own, self.last_seen, self.transitions, self.sightings, learned)
 
     @cached_property

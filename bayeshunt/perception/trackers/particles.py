@@ -34,7 +34,9 @@ _BORN, _BORN_WEIGHT = 0.25, 0.03
 #: Fewer effective particles than this share: the sighting fell where there were hardly any, and more are put there.
 _THIN = 0.02
 #: What is added to particles that are drawn again, so that no two are the same: metres, radians, share of the speed.
-_JITTER_PLACE, _JITTER_TURN, _JITTER_SPEED = 0.002, 0.04, 0.03
+_JITTER_PLACE, _JITTER_TURN, _JITTER_SPEED = 0.0003, 0.008, 0.003
+#: One in so many of them is put much farther off, so many times: where the prey does what no particle foresaw.
+_FAR_SHARE, _FAR = 0.05, 8.0
 #: A frame shows the prey if that is more probable than not. Both headings of a transition must be this sure.
 _SEEN, _SURE = 0.5, 0.9
 #: A prey whose motion is quite unknown goes this share of a body length per second, and no own turns are known.
@@ -169,7 +171,8 @@ class ParticleTracker:
     def _redrawn(self, cloud: Cloud, rng: np.random.Generator) -> Cloud:
         """Particles drawn by their weights, a little apart from each other."""
         cloud = cloud.pick(systematic(cloud.weight, self.count, rng))
-        off = rng.normal(size=(4, self.count))
+        far = np.where(rng.random(self.count) < _FAR_SHARE, _FAR, 1.0)
+        off = rng.normal(size=(4, self.count)) * far
         return replace(
             cloud,
             x=cloud.x + _JITTER_PLACE * off[0],

@@ -16,7 +16,7 @@ __all__ = ["Eye", "Fit"]
 #: False detections per frame, at the least: no camera is without.
 _LEAST_CLUTTER = 1e-3
 #: What the model misses, as standard deviations: of the prey's way within a frame [m].
-_PLACE_SPREAD = 0.004
+_PLACE_SPREAD = 0.0005
 #: Share of the reach over which a prey at the limit of being found is found less and less often.
 _SOFT_REACH = 0.1
 #: Standard deviations of a bearing over which the edge of the field of view is soft.

@@ -1,0 +1,210 @@
+"""What a camera costs and the planner search gets back: ``python -m benchmarks.sensing [--runs 34] [--seeds 0 1 2]``.
+
+A row a camera: success with counts and a 95 % interval, mean time (a miss counts as the time limit); the same hunts for
+every planner. Then, of other hunts, how calibrated the belief is, how near the expected counts of the prey come to what
+it did, and what a decision costs beside one of intercept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections import Counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import bayeshunt as bh
+from bayeshunt.core.geometry import FloatArray, Polar, Pose, in_frame
+from bayeshunt.episodes.knowledge import known_to
+from bayeshunt.episodes.pursuit import Pursuit
+from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
+from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.scores import wilson_interval
+from bayeshunt.perception.trackers.particle_belief import ParticleBelief
+
+__all__ = ["ROWS", "Row", "calibration", "decision_ratio", "expected_counts", "hunts", "row_settings"]
+
+_HEADING = {"camera.heading_noise_deg": 20.0}
+_BAD = {
+    "camera.detection": 0.7, "camera.clutter": 0.2, "camera.pixel_noise": 1.5, "camera.bearing_noise_deg": 3.0
+}  # fmt: skip
+
+
+class Row(NamedTuple):
+    """A row of the table: arena, camera and what differs from it."""
+
+    arena: str
+    camera: str
+    changes: dict[str, Any] = {}  # never written to  # noqa: RUF012
+
+
+#: Name -> where and with what is hunted.
+ROWS = {
+    "walled, wide": Row("walled", "camera_wide"),
+    "walled, narrow": Row("walled", "camera_narrow"),
+    "walled, narrow, start unknown": Row("walled", "camera_narrow", {"start": "unknown"}),
+    "walled, narrow, bad": Row("walled", "camera_narrow", _BAD),
+    "walled, exact": Row("walled", ""),
+    "open, wide": Row("open", "camera_wide"),
+    "open, wide, heading seen (20 deg)": Row("open", "camera_wide", _HEADING),
+    "open, narrow": Row("open", "camera_narrow"),
+    "open, omni, heading seen (20 deg)": Row("open", "camera_omni", _HEADING),
+    "open, K213": Row("open", "camera_k213"),
+    "open, exact": Row("open", ""),
+}
+
+
+def row_settings(row: Row, runs: int = 34, **changes: Any) -> bh.ExperimentSettings:
+    """Return preset paper with a row's camera."""
+    sensing = {f"sensing.{key}": value for key, value in row.changes.items()}
+    camera = {"sensing.preset": row.camera} if row.camera else {}
+    return bh.load_experiment("paper", {**camera, **sensing, "protocol.runs": runs, **changes})
+
+
+def hunts(name: str, planner: str, seeds: list[int], runs: int, tracker: str = "") -> dict[str, Any]:
+    """Return a row's success, counts, interval and mean time [s] over evaluation seeds."""
+    row = ROWS[name]
+    settings = row_settings(row, runs, **({"sensing.tracker": tracker} if tracker else {}))
+    caught, times = 0, []
+    for seed in seeds:
+        frame = bh.evaluate(settings, planners=planner, arenas=row.arena, seed=seed, jobs=1)
+        caught += int(frame["caught"].sum())
+        times += frame["time"].tolist()
+    low, high = wilson_interval(caught, len(times))
+    spread = float(np.std(times) / len(times) ** 0.5)
+    return {
+        "row": name, "planner": planner, "tracker": settings.sensing.tracker, "caught": caught, "hunts": len(times),
+        "success": caught / len(times), "low": low, "high": high, "time": float(np.mean(times)), "time_se": spread,
+    }  # fmt: skip
+
+
+def _running(row: Row, runs: int, seed: int, planner: str = "search") -> Any:
+    """Yield (pursuit, planner) of every hunt of a row, to be stepped."""
+    settings = row_settings(row, runs)
+    model = learn_model(settings, seed)
+    mind = prepare_planner(
+        planner, model, settings, learn_rooms(settings, [planner], [row.arena], seed, model), row.arena
+    )
+    for number, theta in enumerate(settings.protocol.thetas):
+        for run in range(runs):
+            hunt_seed = 1000 * seed + 100 * number + run
+            yield Pursuit(settings, row.arena, theta, hunt_seed, known=known_to(mind)), mind
+
+
+def calibration(name: str, runs: int, seed: int) -> dict[str, float]:
+    """Return the share of decisions in which the 50 and the 90 % region of the particles hold the true prey.
+
+    A region is the ellipse of the particles' covariance about their mean that holds so much of their weight.
+    """
+    inside = []
+    for pursuit, mind in _running(ROWS[name], runs, seed):
+        while not pursuit.done:
+            situation = pursuit.situation
+            truth = in_frame(pursuit.moment.poses["prey"], pursuit.trial.start)
+            inside.append(_region(situation.belief, truth))  # type: ignore[arg-type]
+            pursuit.step(mind.plan(situation, rng=pursuit.rng).gait)
+    held = np.array(inside)
+    return {"in_50": float((held < 0.5).mean()), "in_90": float((held < 0.9).mean()), "decisions": len(held)}
+
+
+def _region(belief: ParticleBelief, truth: Pose) -> float:
+    """Weight of the particles nearer to their mean than the truth is, by their own covariance."""
+    cloud = belief.cloud
+    off = np.stack([cloud.x, cloud.y])
+    mean = off @ cloud.weight
+    off = off - mean[:, None]
+    inverse = np.linalg.inv((off * cloud.weight) @ off.T + 1e-12 * np.eye(2))
+    there = np.array([truth.x, truth.y]) - mean
+    near = np.einsum("in,ij,jn->n", off, inverse, off) < there @ inverse @ there
+    return float(cloud.weight[near].sum())
+
+
+def expected_counts(name: str, runs: int, seed: int) -> dict[str, float]:
+    """Return the total variation between expected counts and the prey's true transitions, and the false turns.
+
+    Bins: 20 mm by 30 deg. turns: expected share of steps whose heading changes by 0.4 rad or more.
+    """
+    true: Counter[tuple[int, int]] = Counter()
+    expected: Counter[tuple[int, int]] = Counter()
+    turned = learned = 0.0
+    for pursuit, mind in _running(ROWS[name], runs, seed):
+        before = None
+        while not pursuit.done:
+            situation = pursuit.situation
+            now = in_frame(pursuit.moment.poses["prey"], pursuit.trial.start)
+            if before is not None:
+                true[_cells(before.relative(now))[0]] += 1
+                told = situation.belief.expected  # type: ignore[union-attr]
+                if told is not None:
+                    transitions, weights = told
+                    for cell, weight in zip(_cells(transitions), weights.tolist(), strict=True):
+                        expected[cell] += weight
+                    turned += float(weights[np.abs(transitions.heading) >= 0.4].sum())
+                    learned += 1
+            before = now
+            pursuit.step(mind.plan(situation, rng=pursuit.rng).gait)
+    steps = sum(true.values())
+    off = sum(abs(true[cell] / steps - expected[cell] / max(learned, 1)) for cell in true.keys() | expected.keys())
+    return {"total_variation": 0.5 * off, "turns": turned / max(learned, 1), "learned": learned / steps, "steps": steps}
+
+
+def _cells(transition: Polar[FloatArray] | Polar) -> list[tuple[int, int]]:
+    distance, heading = np.atleast_1d(transition.distance), np.atleast_1d(transition.heading)
+    turns = np.floor((heading + np.pi) / np.radians(30.0) + 0.5).astype(int) % 12
+    return list(zip((distance / 0.02).astype(int).tolist(), turns.tolist(), strict=True))
+
+
+def decision_ratio(name: str, runs: int, seed: int) -> dict[str, float]:
+    """Return CPU milliseconds of a decision (look, belief and plan), 99th percentile, of search and of intercept."""
+    found = {}
+    for label, row, planner in (
+        ("search", ROWS[name], "search"),
+        ("intercept", Row(ROWS[name].arena, ""), "intercept"),
+    ):
+        spent = []
+        for pursuit, mind in _running(row, runs, seed, planner):
+            while not pursuit.done:
+                start = time.thread_time()
+                gait = mind.plan(pursuit.situation, rng=pursuit.rng).gait
+                spent.append(time.thread_time() - start)
+                pursuit.step(gait)
+        found[label] = 1000.0 * float(np.percentile(spent, 99))
+        found[f"{label}_median"] = 1000.0 * float(np.median(spent))
+    return {**found, "ratio": found["search"] / found["intercept"]}
+
+
+def main() -> None:
+    """Print everything, a line at a time."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=34, help="hunts per bearing and seed")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
+    parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
+    parser.add_argument("--planners", nargs="+", default=["search"])
+    parser.add_argument("--tracker", default="", help="instead of particles: exact (the last sighting), kalman")
+    parser.add_argument("--hunts-only", action="store_true")
+    parser.add_argument("--json", action="store_true", help="a line of JSON for each row")
+    options = parser.parse_args()
+    for name in options.rows:
+        for planner in options.planners:
+            facts = hunts(name, planner, options.seeds, options.runs, options.tracker if ROWS[name].camera else "")
+            print(json.dumps(facts) if options.json else _line(facts), flush=True)
+    cameras = [] if options.hunts_only else [name for name in options.rows if ROWS[name].camera]
+    for name in cameras:
+        for measured in (calibration, expected_counts, decision_ratio):
+            facts = measured(name, min(options.runs, 8), options.seeds[0])
+            shown = {key: value if isinstance(value, int) else round(value, 3) for key, value in facts.items()}
+            print(json.dumps({"row": name, measured.__name__: shown}), flush=True)
+
+
+def _line(facts: dict[str, Any]) -> str:
+    return (
+        f"| {facts['row']} | {facts['planner']}, {facts['tracker']} | {100 * facts['success']:.1f} % "
+        f"({facts['caught']}/{facts['hunts']}; {100 * facts['low']:.1f} to {100 * facts['high']:.1f}) | "
+        f"{facts['time']:.1f} ± {facts['time_se']:.1f} s |"
+    )
+
+
+if __name__ == "__main__":
+    main()
