@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bayeshunt.config.schema.camera import CAMERAS
 from bayeshunt.config.schema.sensing import SensingSettings
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Hunter"]
 
+#: Trackers that go with a camera.
+_OF_CAMERAS = ("particles", "kalman")
 _MAKE = 'bayeshunt.make_planner("intercept", model)'
 
 
@@ -45,7 +48,8 @@ class Hunter(Perceiver):
     planner: one of ``make_planner``, one of your own, or a name: then ``model`` is needed.
     model: the hunter's forward model; it says the gaits, how long one is held, and the body's length. A planner of
         ``make_planner`` knows it already.
-    sensing: what turns sightings into a belief: the name of a tracker, ``SensingSettings`` or a tracker of your own;
+    sensing: what turns sightings into a belief: the name of a camera ("camera_narrow": particles, and a planner that
+        knows what it sees), of a tracker, ``SensingSettings`` or a tracker of your own;
         None: the exact one, which believes what it is told.
     seed: of all that the planner and the tracker draw.
     prey_model: what is known of the prey beforehand (it is copied); None: nothing. task: what counts as a catch; None:
@@ -71,7 +75,7 @@ class Hunter(Perceiver):
         super().__init__(
             repertoire, _tracker(sensing, repertoire, self.planner), _prey_model(prey_model, model, repertoire),
             Task() if task is None else task, rng=streams["belief"],
-            camera=camera_of(sensing) if isinstance(sensing, SensingSettings) else None,
+            camera=None if isinstance(sensing, Tracker) else camera_of(_settings(sensing)),
         )  # fmt: skip
         self._rng = streams["planner"]
         self.plan: Plan | None = None
@@ -168,15 +172,27 @@ def _prey_model(known: TargetModel | None, model: ForwardModel | None, gaits: Ga
 def _tracker(sensing: Any, gaits: GaitRepertoire, planner: Planner) -> Tracker:
     if isinstance(sensing, Tracker):
         return sensing
-    settings = SensingSettings(tracker=sensing) if isinstance(sensing, str) else sensing or SensingSettings()
-    if not isinstance(settings, SensingSettings):
-        raise InputError(f"sensing: expected the name of a tracker, SensingSettings or a Tracker, got {shown(sensing)}")
+    settings = _settings(sensing)
     known = known_to(planner)
     context = PerceptionContext(
         time_step=gaits.duration, body_length=gaits.body_length, camera=settings.camera, start=settings.start,
         motion=known.motion, walls=known.walls,
     )  # fmt: skip
     return make_tracker(settings.tracker, context, settings.tracker_settings)
+
+
+def _settings(sensing: Any) -> SensingSettings:
+    """Settings by the name of a camera or of a tracker; those of a camera see by its defaults."""
+    if isinstance(sensing, str):
+        if sensing in CAMERAS:
+            return SensingSettings(preset=sensing)
+        return SensingSettings(sensor="camera" if sensing in _OF_CAMERAS else "exact", tracker=sensing)
+    settings = SensingSettings() if sensing is None else sensing
+    if not isinstance(settings, SensingSettings):
+        raise InputError(
+            f"sensing: expected the name of a camera or a tracker, SensingSettings or a Tracker, got {shown(sensing)}"
+        )
+    return settings
 
 
 def _name(planner: Planner) -> str:

@@ -56,7 +56,7 @@ def hunt(
         # The prey model goes on learning: the record keeps what was known at this decision.
         situation = replace(situation, prey_model=running.prey_model.copy())
         spent = running.trial.energy, running.trial.falls
-        steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed, spent))
+        steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed, spent, running.observation))
         running.step(plan.gait)
         trail.extend(running.moments)
     return Episode.assemble(

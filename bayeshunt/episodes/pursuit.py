@@ -16,7 +16,7 @@ from bayeshunt.core.checks import check_kind, check_number, check_radians, check
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import Polar
-from bayeshunt.core.messages import Moment, Run
+from bayeshunt.core.messages import Moment, Observation, Run
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.episodes.knowledge import NOTHING, Knowledge, camera_of
@@ -144,6 +144,11 @@ class Pursuit:
     def moments(self) -> Sequence[Moment]:
         """What the last step did."""
         return self._run.moments
+
+    @property
+    def observation(self) -> Observation | None:
+        """What the sensor has seen of the last step."""
+        return self._perceiver.observation
 
     @property
     def observed(self) -> Polar | None:

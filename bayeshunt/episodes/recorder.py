@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bayeshunt.core.geometry import FloatArray, Polar
-from bayeshunt.core.messages import Moment
+from bayeshunt.core.messages import Moment, Observation
 from bayeshunt.core.statistics import entropy
+from bayeshunt.episodes.beliefs import belief_record
 from bayeshunt.episodes.considered import considered, first_gaits
 from bayeshunt.planners.api import Plan, Situation
 
@@ -25,11 +26,11 @@ class Step(NamedTuple):
     @classmethod
     def of(
         cls, step: int, moment: Moment, situation: Situation, plan: Plan, observed: Polar | None,
-        spent: tuple[float, int] = (0.0, 0),
+        spent: tuple[float, int] = (0.0, 0), observation: Observation | None = None,
     ) -> Step:  # fmt: skip
         """Summarise a decision; ``observed`` is the prey transition learned just before it.
 
-        spent: the hunter's energy [J] and falls so far.
+        spent: the hunter's energy [J] and falls so far. observation: what was seen, where that is not all.
         """
         target = plan.target if plan.target is not None else Polar(np.nan, np.nan, np.nan)
         seen = observed if observed is not None else Polar(np.nan, np.nan, np.nan)
@@ -61,6 +62,7 @@ class Step(NamedTuple):
             **_path("predicted", plan.predicted_prey),
             **_path("planned", _planned_path(plan)),
             **_alternatives(plan),
+            **belief_record(situation, observation),
             "prey_table": [list(map(float, row)) for row in learned.cells()],
             **considered(plan),
             "energy": float(spent[0]),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bayeshunt.core import displays
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.perception.trackers.cloud import Cloud, systematic
 from bayeshunt.perception.trackers.motion import PreyMotion
@@ -27,7 +28,7 @@ RINGS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2,
 SECTORS = 12
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ParticleBelief:
     """Where the prey may be, as weighted particles; see ``bayeshunt.protocols.Belief``.
 
@@ -119,6 +120,27 @@ class ParticleBelief:
         """
         import pandas as pd
 
+        index = pd.MultiIndex.from_product([_rings(), _sectors()], names=["Distance", "Angle"])
+        return pd.DataFrame(self._histogram(), index=index)
+
+    def cells(self, least: float = 0.005) -> list[list[float]]:
+        """Return the table's cells that hold at least ``least``, the likeliest first, as plain numbers.
+
+        [nearest m, farthest m, from rad, to rad (clockwise), probability, sightings] each; the last ring ends at inf.
+        """
+        columns = self._histogram()
+        probability, sightings = columns["probability"], columns["sightings"]
+        width, rows = 2.0 * math.pi / SECTORS, []
+        for cell in np.argsort(-probability, kind="stable").tolist():
+            if probability[cell] < least:
+                break
+            ring, centre = cell // SECTORS, width * (cell % SECTORS) - math.pi
+            place = [RINGS[ring], RINGS[ring + 1], centre - 0.5 * width, centre + 0.5 * width]
+            rows.append([*place, float(probability[cell]), float(sightings[cell])])
+        return rows
+
+    def _histogram(self) -> dict[str, FloatArray]:
+        """The table's columns, ring by ring and sector by sector."""
         seen, cloud = self.seen(), self.cloud
         width = 2.0 * math.pi / SECTORS
         ring = np.clip(np.searchsorted(RINGS, seen.distance, side="right") - 1, 0, len(RINGS) - 2)
@@ -130,14 +152,26 @@ class ParticleBelief:
 
         total = summed(np.ones(len(cloud)))
         share = np.where(total > 0.0, total, 1.0)
-        columns = {
+        return {
             "probability": total / total.sum(),
             "sightings": summed(cloud.sightings) / share,
             "heading": np.hypot(summed(np.cos(cloud.theta)), summed(np.sin(cloud.theta))) / share,
             "still": summed(cloud.still.astype(float)) / share,
         }
-        index = pd.MultiIndex.from_product([_rings(), _sectors()], names=["Distance", "Angle"])
-        return pd.DataFrame(columns, index=index)
+
+    def __repr__(self) -> str:
+        seen = "never seen" if math.isinf(self.last_seen) else f"last seen {self.last_seen:.3g} s ago"
+        place = self.own.relative(self.mean)
+        return (
+            f"<ParticleBelief: {1000 * place.distance:.0f} mm away at {math.degrees(place.angle):.0f} deg, "
+            f"give or take {1000 * self.spread:.0f} mm; {seen}; {len(self.cloud)} particles>"
+        )
+
+    def __str__(self) -> str:
+        return displays.to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return displays.to_html(self)
 
 
 def _rings() -> list[str]:

@@ -39,6 +39,8 @@ _JITTER_PLACE, _JITTER_TURN, _JITTER_SPEED = 0.0003, 0.008, 0.003
 _FAR_SHARE, _FAR = 0.05, 8.0
 #: A frame shows the prey if that is more probable than not. Both headings of a transition must be this sure.
 _SEEN, _SURE = 0.5, 0.9
+#: A way below this [m] has no direction.
+_STANDING = 0.002
 #: A prey whose motion is quite unknown goes this share of a body length per second, and no own turns are known.
 _BODIES_PER_SECOND = 0.9
 
@@ -199,7 +201,9 @@ class ParticleTracker:
         if learned:
             motion = motion.learn(cloud)
             before = Pose(cloud.from_x, cloud.from_y, cloud.from_theta)
-            expected = (before.relative(Pose(cloud.x, cloud.y, cloud.theta)), cloud.weight)
+            moved = before.relative(Pose(cloud.x, cloud.y, cloud.theta))
+            moved = moved._replace(angle=np.where(moved.distance < _STANDING, 0.0, moved.angle))  # means nothing there
+            expected = (moved, cloud.weight)
             transitions = (*transitions, *_mean_transition(cloud))
         return ParticleBelief(
             observation.time, observation.pose, cloud, motion, self.eye, observation.time - last, transitions, expected,

@@ -127,7 +127,7 @@ class SearchPlanner(InterceptPlanner):
             nodes=1 + len(values) + pair_values.size,
             make_trace=partial(trace, self.gaits, weighing, self.body),
             expansions=1 + len(values),
-            prey_known=bool(situation.transitions),
+            prey_known=_seen_moving(situation),
             predicted_prey=futures.likeliest(np.array([1.0, 2.0]) * self.time_step),
         )
 
@@ -145,6 +145,11 @@ class SearchPlanner(InterceptPlanner):
             speed = np.full(count, known.speed / self.time_step)
         turn_at, turn = _turns(belief, known, count, self.time_step, rng)
         return sampled_futures(Start(pose, speed, turn_at, turn), own, self.walls)
+
+
+def _seen_moving(situation: Situation) -> bool:
+    """Whether anything of the prey's motion has been observed."""
+    return bool(situation.transitions) or getattr(getattr(situation.belief, "motion", None), "steps", 0.0) > 0.0
 
 
 def _turns(

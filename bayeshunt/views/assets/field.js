@@ -62,6 +62,29 @@ function drawObstacles({ g, at, ink }, outlines) {
   }
 }
 
+/* What the camera sees now, where the prey may have been at the decision, what was sighted in the step before it. */
+function drawBelief(pen, belief, hunter, [half, reach]) {
+  const { g, at, ink, view } = pen, [x, y] = at(hunter);
+  g.fillStyle = ink("hunter");
+  g.globalAlpha = 0.09;
+  g.beginPath();
+  if (half < Math.PI) g.moveTo(x, y);
+  g.arc(x, y, reach * view.scale, -hunter[2] - half, -hunter[2] + half);
+  g.closePath();
+  g.fill();
+  if (!belief) return void (g.globalAlpha = 1);
+  g.fillStyle = g.strokeStyle = ink("prey");
+  g.globalAlpha = 0.4;
+  for (const point of belief.cloud) dot(pen, point, 1.8);
+  g.globalAlpha = 0.9;
+  g.lineWidth = 1.5;
+  for (const point of belief.sighted) {
+    const [sx, sy] = at(point);
+    g.strokeRect(sx - 4, sy - 4, 8, 8);
+  }
+  g.globalAlpha = 1;
+}
+
 /* Where the prey is expected 1, 2, ... steps ahead; the one the plan aims at is filled. */
 function drawPredicted(pen, step, radius) {
   const { g, ink, at, view } = pen, points = step.predicted;

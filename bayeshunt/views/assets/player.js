@@ -55,7 +55,7 @@ class Player {
     next.addEventListener("click", () => this.step(1));
     scrub.addEventListener("input", () => this.seek(this.hunt.trail.time[Number(scrub.value)], true));
     speed.addEventListener("change", () => this.say(`speed ${speed.value} times`));
-    for (const part of [follow, this.parts["show-plan"], this.parts["show-predicted"], this.parts["show-considered"]])
+    for (const part of [follow, this.parts["show-plan"], this.parts["show-predicted"], this.parts["show-considered"], this.parts["show-belief"]])
       part.addEventListener("change", () => [this, ...this.followers].forEach((player) => player.draw()));
     if (keys) keys.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -67,6 +67,7 @@ class Player {
     this.pause();
     this.hunt = hunt;
     this.shown = -1;
+    for (const part of ["belief-layer", "belief-card"]) if (this.parts[part]) this.parts[part].hidden = !hunt.fov;
     const frames = hunt.trail.time;
     this.duration = frames[frames.length - 1];
     this.parts.scrub.max = frames.length - 1;
@@ -186,6 +187,7 @@ class Player {
       "-": () => this.changeSpeed(-1),
       p: () => this.parts["show-plan"].click(),
       o: () => this.parts["show-predicted"].click(),
+      b: () => this.parts["show-belief"].click(),
       f: () => this.parts.follow.click(),
       c: () => this.parts["show-considered"].click(),
     };
@@ -231,7 +233,7 @@ class Player {
     parts.heading.textContent = `Decision ${now + 1}: ${step.gait}`;
     fillFacts(parts.facts, [
       ["time", `${step.time.toFixed(3)} s`, "time"],
-      ["prey seen", `${polar(step.seen)}, heading ${degrees(step.seen[2])}`, "seen"],
+      [step.belief ? "prey believed" : "prey seen", `${polar(step.seen)}, heading ${degrees(step.seen[2])}`, "seen"],
       ["aims at", step.target ? polar(step.target) : "no single point", "target"],
       ["prey model", step.known ? "used" : step.observations ? "not asked" : "empty: nothing seen yet", "known"],
       ...(step.energy === null ? [] : [["spent so far", `${step.energy.toFixed(1)} J`, "energy"], ["falls so far", String(step.falls), "falls"]]),
@@ -240,6 +242,20 @@ class Player {
     this.showPlan(step);
     this.showConsidered(step);
     this.showPrey(step);
+    if (step.belief) this.showBelief(step.belief);
+  }
+
+  showBelief(belief) {
+    const never = belief.lastSeen === null, spread = belief.spread === null ? "any distance" : length(belief.spread);
+    this.parts["belief-summary"].textContent =
+      `${never ? "Never seen yet" : belief.lastSeen < 1e-6 ? "Seen now" : `Last seen ${belief.lastSeen.toFixed(1)} s ago`}; ` +
+      `give or take ${spread}; heading known to ${belief.resultant.toFixed(2)} of 1; ` +
+      `P(in view) ${belief.inView.toFixed(2)}.`;
+    this.parts.belief.replaceChildren(...belief.table.map(([ring, sector, p, sightings]) => {
+      const line = element("tr");
+      line.append(...[ring, sector, p.toFixed(3), sightings.toFixed(1)].map((text) => element("td", text)));
+      return line;
+    }));
   }
 
   showBars(step) {
@@ -365,7 +381,7 @@ class Player {
       const line = element("tr");
       const share = `${((100 * row[3]) / total).toFixed(1)} %`;
       const [far, wide, turned] = this.hunt.bins; // a cell is all of its bin, not the middle
-      const cells = [range(row[0], far, lengths), range(row[1], wide, angles), range(row[2], turned, angles), String(row[3]), share];
+      const cells = [range(row[0], far, lengths), range(row[1], wide, angles), range(row[2], turned, angles), String(Number(row[3].toPrecision(3))), share];
       line.append(...cells.map((text) => element("td", text)));
       if (i === step.fresh) {
         line.className = "new";
@@ -429,6 +445,7 @@ class Player {
     const layer = (name) => (this.leader || this).parts[name].checked; // the leader's switches serve all
     const start = this.hunt.trail.hunter[this.frameAt(step.time)];
     if (layer("show-considered")) drawConsidered(pen, step, start);
+    if (this.hunt.fov && layer("show-belief")) drawBelief(pen, step.belief, hunter, this.hunt.fov);
     if (layer("show-predicted")) drawPredicted(pen, step, this.hunt.radius[1]);
     if (layer("show-plan")) drawPlan(pen, step);
     if (this.path.length) drawPath(pen, step, start, this.path, this.ahead);

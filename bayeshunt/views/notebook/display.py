@@ -25,12 +25,14 @@ from bayeshunt.models.comparison.learning import Learning
 from bayeshunt.models.inference.network import Network
 from bayeshunt.models.tables.probability_table import ProbabilityTable
 from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.perception.trackers.particle_belief import ParticleBelief
 from bayeshunt.planners.api import Plan, Shown
 from bayeshunt.views.pages.learning import learning_html
 from bayeshunt.views.pages.network import network_html
 from bayeshunt.views.pages.sheet import sheet_html
 from bayeshunt.views.sheets import (
     assessment,
+    belief,
     comparison,
     learning,
     models,
@@ -110,6 +112,7 @@ for _kind, _sheet in (
     (PreyModel, tables.prey_model),
     (RoomModel, rooms.room),
     (FreeSpace, rooms.free_space),
+    (ParticleBelief, belief.particle_belief),
     (Plan, plans.plan),
     (Episode, plans.episode),
     (Network, network.network),

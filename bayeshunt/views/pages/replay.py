@@ -32,11 +32,15 @@ from bayeshunt.views import grounds
 from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
+from bayeshunt.views.pages.replay_belief import belief_of, field_of_view
 from bayeshunt.views.pages.replay_search import asked_again, colours, considered, realised, whiskers
 
 #: What the player of a hunt is made of, for pages that have one.
 STYLES = ("player.css", "trace.css")
 SCRIPTS = ("units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.js")
+
+#: Cells of a table of expected counts that are shown, the likeliest.
+_LIKELIEST = 60
 
 
 @checked
@@ -120,6 +124,7 @@ def replay_data(
         "trail": _trail(episode, every),
         "colours": colours(episode),
         "steps": steps,
+        "fov": field_of_view(settings),
         "bins": [number(width) for width in _bin_widths(settings)],
         "note": settings.note,
         "command": hunt_command(settings, planner, arena, theta, seed, source=source),
@@ -148,6 +153,8 @@ def _step(
     predicted = _moving(_stored_path(row, "predicted"))
     plan = [str(gait) for gait in row["planned_gaits"]]
     prey_rows = [] if row.get("prey_table") is None else [list(map(float, cell)) for cell in row["prey_table"]]
+    if any(cell[3] % 1 for cell in prey_rows):  # expected counts: many cells, most of them hardly likely
+        prey_rows = sorted(prey_rows, key=lambda cell: -cell[3])[:_LIKELIEST]
     observed = _polar(row, "observed")
     answer = asked_again(row, model, previous)
     return {
@@ -165,6 +172,7 @@ def _step(
         "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
         "bars": {**_bars(row, settings), "within": whiskers(answer)},
         "opened": None if answer is None else opened(answer),
+        "belief": belief_of(row, hunter),
         "energy": number(row["energy"]) if "energy" in row else None, "falls": int(row.get("falls", 0)),
     }  # fmt: skip
 

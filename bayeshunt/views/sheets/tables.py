@@ -166,7 +166,7 @@ def prey_table(prey: PreyModel) -> Table:
     frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
     columns = (frame[name].tolist() for name in ("probability", "count", "low", "high"))
     rows = [
-        [*map(label, bins), f"{p:.3f}", int(n), f"{low:.3f} to {high:.3f}"]
+        [*map(label, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
         for bins, p, n, low, high in list(zip(frame.index, *columns, strict=True))[:MOST_ROWS]
     ]
     rest = len(frame) - len(rows)
@@ -174,9 +174,14 @@ def prey_table(prey: PreyModel) -> Table:
     return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more)
 
 
+def _count(number: float) -> str:
+    """A count in words; an expected one to three digits."""
+    return f"{number:.0f}" if number == int(number) else f"{number:.3g}"
+
+
 def prey_map(prey: PreyModel) -> Html:
     """Return where the prey's steps led, as arrows in its own earlier frame (heading up)."""
-    cells = np.array(prey.to_dict()["counts"])[:, :3]
+    cells = np.array(prey.to_dict()["counts"])[:, :3].astype(int)
     weights = np.array(prey.to_dict()["counts"])[:, 3]
     axes = prey.axes
     reach = (cells[:, 0] + 0.5) * axes.distance.width
@@ -186,6 +191,6 @@ def prey_map(prey: PreyModel) -> Html:
     parts = [window.robot(0, 0, math.pi / 2, svg.FAINT, "the prey one time-step earlier", 9)]
     for i in np.argsort(weights, kind="stable")[-400:]:
         size = 4 + 8 * math.sqrt(weights[i] / weights.max())
-        hint = f"{weights[i]} of {prey.observations} transitions"
+        hint = f"{_count(weights[i])} of {prey.observations} transitions"
         parts.append(window.robot(right[i], ahead[i], math.pi / 2 - headings[i], svg.PREY, hint, size))
     return svg.drawing(window.width, window.height, *parts, window.ruler(), label="Where the prey's steps led")
