@@ -20,7 +20,7 @@ from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Pose
-from bayeshunt.core.messages import Observation
+from bayeshunt.core.messages import Detection, Observation
 from bayeshunt.core.protocols import TargetModel, Tracker
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.core.task import Task
@@ -81,13 +81,14 @@ class Hunter(Perceiver):
         self.plan: Plan | None = None
 
     def step(
-        self, own_pose: Pose, seen: Pose | Observation | None, time: float | None = None, *,
+        self, own_pose: Pose, seen: Pose | Observation | list[Detection] | None, time: float | None = None, *,
         future: Future | None = None,
     ) -> Plan:  # fmt: skip
         """Return the plan for now; its gait is taken to be executed until the next call.
 
         own_pose: the hunter's pose [m, rad] in any fixed counter-clockwise frame, the same in every call.
-        seen: the prey's pose in that frame, whose heading may be NaN; an Observation of detections; None: not seen.
+        seen: the prey's pose in that frame, whose heading may be NaN; a list of detections of one look now
+        (``hunter.camera.detection_of(bearing, width_px=...)``); an Observation, of several looks; None: not seen.
         time: seconds; by default one gait's duration after the call before. A transition of the prey over another
         time (by more than a tenth) is not learned, and :meth:`explain` says so.
         future: the prey's true future, for a planner that is a bound and needs it.

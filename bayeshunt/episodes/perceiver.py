@@ -53,13 +53,14 @@ class Perceiver:
         self.time, self.steps, self.skipped = 0.0, 0, 0
 
     def perceive(
-        self, own_pose: Pose, seen: Pose | Observation | None, time: float | None = None, *,
+        self, own_pose: Pose, seen: Pose | Observation | list[Detection] | None, time: float | None = None, *,
         future: Future | None = None,
     ) -> Situation:  # fmt: skip
         """Return what is known now; say with :meth:`execute` which gait follows, then perceive again at its end.
 
         own_pose: the hunter's pose [m, rad] in any fixed counter-clockwise frame, the same in every call.
-        seen: the prey's pose in that frame, whose heading may be NaN; an Observation of detections; None: not seen.
+        seen: the prey's pose in that frame, whose heading may be NaN; a list of detections of one look now; an
+        Observation, of several looks; None: not seen.
         time: seconds; by default one gait's duration after the call before. future: the prey's true future.
 
         Raises InputError for a pose that is not of finite numbers or a time that does not go on.
@@ -97,7 +98,7 @@ class Perceiver:
             raise InputError(f"time: expected seconds after the {self.time:g} of the call before, got {now:g}")
         return now
 
-    def _observe(self, own_pose: Pose, seen: Pose | Observation | None, time: float) -> Observation:
+    def _observe(self, own_pose: Pose, seen: Pose | Observation | list[Detection] | None, time: float) -> Observation:
         """Bring what the caller says into the odometry frame, in which the hunter started at (0, 0, 0)."""
         own = _pose(own_pose, "own_pose")
         if self._origin is None:
@@ -111,6 +112,9 @@ class Perceiver:
         if isinstance(seen, Observation):
             frames = tuple(_moved(frame, origin) for frame in seen.frames)
             return Observation(time, in_frame(own, origin), frames, seen.covariance)
+        if isinstance(seen, list):  # of detections: one look, now
+            pose = in_frame(own, origin)
+            return Observation(time, pose, (_moved(Frame(time, own, tuple(seen)), origin),))
         found = () if seen is None else (Detection(pose=in_frame(_pose(seen, "seen", heading=False), origin)),)
         pose = in_frame(own, origin)
         return Observation(time, pose, (Frame(time, pose, found),))

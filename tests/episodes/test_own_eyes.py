@@ -55,6 +55,18 @@ def test_detections_of_bearing_and_width_go_in_and_the_prey_is_followed(khepera_
     assert "the prey" in hunter.explain()
 
 
+def test_a_list_of_detections_is_one_look(khepera_model):
+    one, two = (bh.Hunter("search", khepera_model, sensing=CAMERA, seed=3) for _ in range(2))
+    here = bh.Pose(1.0, 2.0, 0.5)
+    found = CAMERA.camera.detection_of(0.3, width_px=30)
+    one.step(here, [found])
+    two.step(here, Observation(0.0, here, (Frame(0.0, here, (found,)),)))
+    assert one.belief == two.belief
+    assert one.belief.last_seen == 0.0
+    one.step(here, [])
+    assert one.belief.last_seen == pytest.approx(khepera_model.gaits.duration)
+
+
 def test_a_preset_by_name_will_do(khepera_model):
     hunter = bh.Hunter("search", khepera_model, sensing="camera_narrow")
     plan = hunter.step(bh.Pose(0.0, 0.0, 0.0), None)
