@@ -83,7 +83,10 @@ def fit(
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
     structure: Annotated[
         str,
-        typer.Option(help="naive (the paper), tan, joint, previous_gait or learned: what depends on what; see assess."),
+        typer.Option(
+            help="naive (the paper), tan, joint, previous_gait or learned: what depends on what; see assess. Or one of "
+            "your own, 'NAME: Gait->Distance, Gait->Angle, Gait->Heading, Angle->Heading'."
+        ),
     ] = "naive",
     backoff: Annotated[
         float | None,
@@ -121,6 +124,7 @@ def fit(
     from bayeshunt.core.bins import EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.counting.streaming import count_tables, rows_of
+    from bayeshunt.models.tables.structures import Structure
     from bayeshunt.views.terminal import terminal
 
     asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
@@ -132,14 +136,15 @@ def fit(
         repertoire.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
     )
     rows = sum(table.rows for table in tables)
-    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": structure, "backoff": backoff}
+    edges = Structure.read(structure) if "->" in structure else structure
+    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": edges, "backoff": backoff}
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
         if residual_of is not None or auto_bins:  # the rows choose the motion and the bins first
             frame, provenance = rows_of(tables, repertoire, advance)
             how |= {"axes": "auto" if auto_bins else axes, "residual_of": residual_of}
             model = ForwardModel.over(ForwardModel.fit(frame, repertoire, prior, **how).source, provenance)
         else:
-            seen, provenance = count_tables(tables, repertoire, axes=axes, structure=structure, progress=advance)
+            seen, provenance = count_tables(tables, repertoire, axes=axes, structure=edges, progress=advance)
             model = ForwardModel.from_counts(seen, prior, **how, provenance=provenance)
     counts = model.source.counted
     model.save(out)

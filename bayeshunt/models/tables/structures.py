@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 from itertools import combinations
@@ -36,14 +37,19 @@ STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
 SEARCHED = ("tan", "learned")
 
 Edge = tuple[str, str]
+#: A structure of one's own as a command line takes it.
+_EXAMPLE = "arc: Gait->Distance, Gait->Angle, Gait->Heading, Angle->Heading"
+#: Letters of a name that are as those of a structure's, at least: it is one misspelt.
+_MISSPELT = 0.8
 
 
 @dataclass(frozen=True)
 class Structure:
     """The edges of a network over Gait, the effects and perhaps the gait before.
 
-    name: one of ``STRUCTURES``. edges: (parent, child); children are effects, and there is no cycle.
-    Raises InputError for another name, an edge that is not allowed, or a cycle.
+    name: one of ``STRUCTURES``, or a name of your own, which model files and tables then show.
+    edges: (parent, child); children are effects, and there is no cycle.
+    Raises InputError for a name that looks like one of ``STRUCTURES`` misspelt, an edge that is not allowed, or a cycle.
     """
 
     name: str
@@ -54,8 +60,7 @@ class Structure:
         for edge in self.edges:
             if not (isinstance(edge, (tuple, list)) and len(edge) == 2 and all(isinstance(end, str) for end in edge)):
                 raise InputError(f"Structure: edges: expected pairs (parent, child) of names, got {shown(edge)}")
-        if self.name not in STRUCTURES:
-            raise InputError(f"unknown structure {self.name!r}{did_you_mean(self.name, STRUCTURES)}")
+        check_structure_name(self.name)
         for parent, child in self.edges:
             if parent not in (*CAUSES, *EFFECTS) or child not in EFFECTS:
                 raise InputError(f"structure {self.name}: the edge {parent} -> {child} is not allowed")
@@ -71,6 +76,18 @@ class Structure:
         """Return the parents of a variable in alphabetical order, the order of pgmpy's tables."""
         return tuple(sorted(parent for parent, child in self.edges if child == variable))
 
+    @classmethod
+    def read(cls, text: str) -> Structure:
+        """Return the structure that ``"arc: Gait->Distance, Gait->Angle, Gait->Heading, Angle->Heading"`` describes.
+
+        Raises InputError for other texts, and as the class does.
+        """
+        name, colon, listed = text.partition(":")
+        edges = tuple(tuple(end.strip() for end in edge.split("->")) for edge in listed.split(",") if edge.strip())
+        if not (colon and edges and all(len(edge) == 2 for edge in edges)):
+            raise InputError(f"structure {text!r}: expected a name and edges, {_EXAMPLE!r}")
+        return cls(name.strip(), edges)
+
     @cached_property
     def is_naive(self) -> bool:
         """True for the paper's network: every effect depends on the gait alone."""
@@ -85,6 +102,16 @@ class Structure:
         """Return the factors on one line: "P(Distance | Gait) P(Angle | Distance, Gait) ..."."""
         factors = [(effect, ", ".join(self.parents(effect))) for effect in EFFECTS]
         return " ".join(f"P({effect} | {given})" if given else f"P({effect})" for effect, given in factors)
+
+
+def check_structure_name(name: str) -> None:
+    """Raise InputError for a name of a structure that is empty, or one of ``STRUCTURES`` misspelt."""
+    if name in STRUCTURES:
+        return
+    if not name.strip() or name != name.strip() or not name.isprintable():
+        raise InputError(f"Structure: name: expected a word of your own, or one of {', '.join(STRUCTURES)}, got {name!r}")
+    if get_close_matches(name, STRUCTURES, n=1, cutoff=_MISSPELT):
+        raise InputError(f"unknown structure {name!r}{did_you_mean(name, STRUCTURES)}")
 
 
 def _position(edge: Edge) -> tuple[int, int]:
