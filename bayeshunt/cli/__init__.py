@@ -20,7 +20,6 @@ from bayeshunt.cli import sweeps  # noqa: F401  isort: skip
 from bayeshunt.cli import prepared  # noqa: F401  isort: skip
 from bayeshunt.cli import prey  # noqa: F401  isort: skip
 from bayeshunt.cli import catalogue  # noqa: F401  isort: skip
-from bayeshunt.cli import settings  # noqa: F401  isort: skip
 from bayeshunt.cli import doctor  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.cli.outputs import remembered_output

@@ -14,6 +14,8 @@ app = typer.Typer(
 
     The main job, the paper's experiment in one command:  bayeshunt evaluate
 
+    Example:  bayeshunt doctor;  bayeshunt evaluate --runs 5
+
     Step by step:  bayeshunt babble --out b.parquet;  bayeshunt fit b.parquet --out model.json;
     bayeshunt query model.json --distance 0.1 --angle 0.5;  bayeshunt hunt --planner planning --arena open""",
     no_args_is_help=True,

@@ -1,4 +1,4 @@
-"""planners, robots, presets: what there is to choose from."""
+"""planners, robots, presets, settings: what there is to choose from."""
 
 from __future__ import annotations
 
@@ -91,6 +91,26 @@ def presets(
         return
     note = "Show one, or start your own from it: bayeshunt presets NAME [--toml]. Every key: bayeshunt settings"
     catalogue.names_table(("preset", "what it is"), [(known, s.note) for known, s in found.items()], [note])
+
+
+@app.command(short_help="List every key of a settings file.")
+def settings(
+    name: Annotated[str, typer.Argument(help="experiment or robot")] = "experiment",
+    as_json: Json = False,
+) -> None:
+    """List every key of a settings file with its unit, range and default.
+
+    Example:  bayeshunt settings;  bayeshunt settings robot
+    """
+    from bayeshunt.config.loading import describe
+
+    rows = describe(name)
+    if as_json:
+        typer.echo(json.dumps(rows))
+        return
+    from bayeshunt.views.terminal import terminal
+
+    terminal.settings_table(rows)
 
 
 def _show(settings: Any, as_toml: bool, as_json: bool) -> None:

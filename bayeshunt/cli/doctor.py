@@ -14,11 +14,13 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json
-from bayeshunt.core.errors import WorkerError
+from bayeshunt.core.errors import BayesHuntError
 
 __all__ = ["Need", "doctor", "needs", "self_test"]
 
-_REQUIREMENT = re.compile(r"^(?P<name>[\w.-]+)(?:\[[^\]]*\])?\s*(?P<range>[^;]*?)\s*(?:;.*extra\s*==\s*['\"](?P<extra>\w+)['\"].*)?$")
+_REQUIREMENT = re.compile(
+    r"^(?P<name>[\w.-]+)(?:\[[^\]]*\])?\s*(?P<range>[^;]*?)\s*(?:;.*extra\s*==\s*['\"](?P<extra>\w+)['\"].*)?$"
+)
 #: Extras for those who work on the project itself.
 _OWN = ("test", "docs")
 _REPORT = "A bug report: this page, the line that you typed, what it printed, and the smallest file that shows it."
@@ -125,7 +127,7 @@ def doctor(as_json: Json = False) -> None:
     }  # fmt: skip
     typer.echo(json.dumps(facts) if as_json else _page(facts))
     if missing or failed:
-        raise WorkerError("; ".join([*(f"{name} is not installed" for name in missing), *failed]))
+        raise BayesHuntError("; ".join([*(f"{name} is not installed" for name in missing), *failed]))
 
 
 def _extras(found: list[Need]) -> dict[str, list[str]]:
@@ -141,8 +143,10 @@ def _page(facts: dict[str, Any]) -> str:
     """The facts as a page of text."""
     lines = [f"bayeshunt {facts['bayeshunt']}, Python {facts['python']}, {facts['system']}", ""]
     lines += [f"  {name:<18} {version or 'MISSING'}" for name, version in facts["packages"].items()]
-    lines += ["", "Extras, each installed by  pip install \".[NAME]\"  in the project's folder"]
-    lines += [f"  {name:<18} {'lacks ' + ', '.join(lacks) if lacks else 'ready'}" for name, lacks in facts["extras"].items()]
+    lines += ["", 'Extras, each installed by  pip install ".[NAME]"  in the project\'s folder']
+    lines += [
+        f"  {name:<18} {'lacks ' + ', '.join(lacks) if lacks else 'ready'}" for name, lacks in facts["extras"].items()
+    ]
     lines += ["", "Self-test"]
     for step in facts["self_test"]:
         lines.append(f"  {step['step']:<26} {step['seconds']:5.2f} s  {step['error'] or 'ok'}")

@@ -66,7 +66,11 @@ def recorded_notes(record: dict[str, Any], path: Path) -> list[str]:
 
 
 ingest = typer.Typer(
-    help="Read recordings: tracks of people and animals, logs of robots.", no_args_is_help=True, rich_markup_mode=None
+    help="""Read recordings: tracks of people and animals, logs of robots.
+
+    Example:  bayeshunt ingest tracks mine.csv --unit m --out tracks.parquet""",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 app.add_typer(ingest, name="ingest", short_help="Read recordings: tracks of people and animals, logs of robots.")
 

@@ -79,12 +79,12 @@ def read_experiment(
 
 
 def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
-    """The shipped experiment, ``changes`` made, whose robot a model is of; the default before the others."""
+    """The shipped experiment, ``changes`` made, whose robot a model is of: the two of the paper before the others."""
     from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, preset_names
     from bayeshunt.experiments.run.runner import check_model
     from bayeshunt.models.formats.interchange import open_model
 
-    for name in sorted(preset_names(), key=lambda name: name != DEFAULT_PRESET):
+    for name in sorted(preset_names(), key=lambda name: (name != DEFAULT_PRESET, name != "paper")):
         settings = load_experiment(name, changes)
         forward = open_model(path, settings.robot.gaits)
         with contextlib.suppress(InputError):

@@ -54,7 +54,12 @@ def executed(path: Path) -> nbformat.NotebookNode:
 
 def notebooks() -> list[Path]:
     """Those that stand in notebooks/, in their order; solutions after them."""
-    return sorted((ROOT / "notebooks").glob("*.ipynb"))
+    return [*sorted((ROOT / "notebooks").glob("*.ipynb")), *sorted((ROOT / "notebooks").glob("*/*.ipynb"))]
+
+
+def page_name(path: Path) -> str:
+    """The name of a notebook's page, with that of its folder where it is not notebooks/ itself."""
+    return path.stem if path.parent.name == "notebooks" else f"{path.parent.name}_{path.stem}"
 
 
 def pages() -> dict[str, str]:
@@ -62,11 +67,11 @@ def pages() -> dict[str, str]:
     made, lines = {}, []
     for path in notebooks():
         notebook = executed(path)
-        place = f"gallery/{path.stem}.md"
+        place = f"gallery/{page_name(path)}.md"
         made[place] = page_of(notebook, place)
         title = notebook.cells[0].source.splitlines()[0].removeprefix("# ")
         question = re.search(r"\*\*(.+?)\*\*", notebook.cells[0].source, re.DOTALL)
-        lines.append(f"| [{title}]({path.stem}.md) | {' '.join(question[1].split()) if question else ''} |")
+        lines.append(f"| [{title}]({page_name(path)}.md) | {' '.join(question[1].split()) if question else ''} |")
     made["gallery/index.md"] = "\n".join([
         "# Gallery", "",
         "The notebooks in `notebooks/`, run from start to end when this manual was built. To turn their knobs, start",
@@ -102,6 +107,8 @@ def html_of(output: nbformat.NotebookNode) -> str:
     if output.output_type == "error":
         raise RuntimeError("a notebook with an error")
     data = output.get("data", {})
+    if "application/vnd.jupyter.widget-view+json" in data and "text/html" not in data:
+        return "<p><em>A widget: it moves where the notebook runs.</em></p>"
     if "text/html" in data:
         html = "".join(data["text/html"])
         return re.sub(r'<table[^>]*class="dataframe"[^>]*>', "<table>", html)

@@ -33,15 +33,17 @@ SECTIONS = (
 
 def site_place(repository: str) -> str | None:
     """Return the page of the site that a file of the repository became, None where there is none."""
-    kept = {"README.md": "index.md", "CHANGELOG.md": "project/changelog.md", "CONTRIBUTING.md": "project/contributing.md",
-            "data/README.md": "project/data.md", "notebooks": "gallery/index.md"}  # fmt: skip
+    kept = {
+        "README.md": "index.md", "CHANGELOG.md": "project/changelog.md", "CONTRIBUTING.md": "project/contributing.md",
+        "data/README.md": "project/data.md", "notebooks": "gallery/index.md",
+    }  # fmt: skip
     if repository in kept:
         return kept[repository]
     folder, name = posixpath.split(repository)
     if folder == "benchmarks/results" and name.endswith(".md"):
         return f"benchmarks/{name}"
-    if folder == "notebooks" and name.endswith(".ipynb"):
-        return f"gallery/{Path(name).stem}.md"
+    if folder.startswith("notebooks") and name.endswith(".ipynb"):
+        return f"gallery/{gallery.page_name(Path(repository))}.md"
     return repository.removeprefix("docs/") if repository.startswith("docs/") else None
 
 
@@ -79,7 +81,7 @@ def repository_pages() -> list[tuple[Path, str]]:
     return [(path, str(site_place(path.relative_to(ROOT).as_posix()))) for path in found]
 
 
-def ordered(places: list[str]) -> list[dict[str, list[str]]]:
+def ordered(places: list[str]) -> list[dict[str, str | list[str]]]:
     """Every page in its section."""
     left, sections = sorted(places), []
     for title, patterns in SECTIONS:
@@ -89,7 +91,7 @@ def ordered(places: list[str]) -> list[dict[str, list[str]]]:
                 left.remove(place)
                 taken.append(place)
         if taken:
-            sections.append({title: taken})
+            sections.append({title: taken[0] if taken == ["index.md"] else taken})  # the first page is the home
     return [*sections, *([{"More": left}] if left else [])]
 
 

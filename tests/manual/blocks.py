@@ -12,11 +12,13 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted(path for path in (ROOT / "docs").rglob("*.md"))
 #: Commands whose work --runs bounds.
 COUNTED = ("evaluate", "sweep", "tradeoff", "figures")
-_BLOCK = re.compile(r"(?P<mark><!-- elsewhere: [^>]+-->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
+_BLOCK = re.compile(
+    r"(?P<mark><!-- elsewhere: [^>]+-->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
+)
 
 
 class Block(NamedTuple):
-    """A block: its kind (python, sh, console, toml, text), its text, and whether the page says that it runs elsewhere."""
+    """A block: its kind (python, sh, console, toml), its text, and whether the page says it runs elsewhere."""
 
     kind: str
     text: str

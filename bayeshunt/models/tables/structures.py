@@ -49,7 +49,7 @@ class Structure:
 
     name: one of ``STRUCTURES``, or a name of your own, which model files and tables then show.
     edges: (parent, child); children are effects, and there is no cycle.
-    Raises InputError for a name that looks like one of ``STRUCTURES`` misspelt, an edge that is not allowed, or a cycle.
+    Raises InputError for one of ``STRUCTURES`` misspelt, an edge that is not allowed, or a cycle.
     """
 
     name: str
@@ -60,7 +60,7 @@ class Structure:
         for edge in self.edges:
             if not (isinstance(edge, (tuple, list)) and len(edge) == 2 and all(isinstance(end, str) for end in edge)):
                 raise InputError(f"Structure: edges: expected pairs (parent, child) of names, got {shown(edge)}")
-        check_structure_name(self.name)
+        _check_name(self.name, self.edges)
         for parent, child in self.edges:
             if parent not in (*CAUSES, *EFFECTS) or child not in EFFECTS:
                 raise InputError(f"structure {self.name}: the edge {parent} -> {child} is not allowed")
@@ -104,13 +104,15 @@ class Structure:
         return " ".join(f"P({effect} | {given})" if given else f"P({effect})" for effect, given in factors)
 
 
-def check_structure_name(name: str) -> None:
-    """Raise InputError for a name of a structure that is empty, or one of ``STRUCTURES`` misspelt."""
+def _check_name(name: str, edges: tuple[Edge, ...]) -> None:
+    """Raise InputError for a name that is empty, one of ``STRUCTURES`` misspelt, or neither shipped nor with edges."""
     if name in STRUCTURES:
         return
     if not name.strip() or name != name.strip() or not name.isprintable():
-        raise InputError(f"Structure: name: expected a word of your own, or one of {', '.join(STRUCTURES)}, got {name!r}")
-    if get_close_matches(name, STRUCTURES, n=1, cutoff=_MISSPELT):
+        raise InputError(
+            f"Structure: name: expected a word of your own, or one of {', '.join(STRUCTURES)}, got {name!r}"
+        )
+    if not edges or get_close_matches(name, STRUCTURES, n=1, cutoff=_MISSPELT):
         raise InputError(f"unknown structure {name!r}{did_you_mean(name, STRUCTURES)}")
 
 

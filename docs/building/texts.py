@@ -1,0 +1,26 @@
+"""Docstrings and help as Markdown."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import textwrap
+from typing import Any
+
+_ROLE = re.compile(r":[a-z]+:`~?\.?([^`]+)`")
+
+
+def first_line(thing: Any) -> str:
+    """The first line of its docstring, fit for a cell of a table."""
+    line = (inspect.getdoc(thing) or "").splitlines()[:1]
+    return _ROLE.sub(r"`\1`", line[0] if line else "").replace("|", "\\|")
+
+
+def escaped(text: str) -> str:
+    """Text for a cell of a table."""
+    return " ".join(str(text).split()).replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
+
+
+def plain(text: str) -> str:
+    """A docstring's text as Markdown."""
+    return _ROLE.sub(r"`\1`", textwrap.dedent(text)).replace("``", "`")
