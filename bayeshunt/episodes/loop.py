@@ -57,7 +57,7 @@ def hunt(
         situation = replace(situation, prey_model=running.prey_model.copy())
         spent = running.trial.energy, running.trial.falls
         steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed, spent, running.observation))
-        running.step(plan.gait)
+        running.step(plan.gait, nodes=plan.nodes)
         trail.extend(running.moments)
     return Episode.assemble(
         steps,
@@ -80,7 +80,7 @@ def run_hunt(
     if isinstance(planner, KinematicLimit):
         return _limit(running, planner)
     for _, plan in _decide(running, planner):
-        running.step(plan.gait)
+        running.step(plan.gait, nodes=plan.nodes)
     return running.result
 
 

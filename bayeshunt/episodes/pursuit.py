@@ -105,11 +105,13 @@ class Pursuit:
             self._situation = self._perceiver.consider(seen, future)
         return self._situation
 
-    def step(self, gait: str | int | Gait, prey: Gait | None = None) -> None:
+    def step(self, gait: str | int | Gait, prey: Gait | None = None, *, nodes: int = 0) -> None:
         """Execute a gait for one time-step, until the catch, or for what is left of the hunt.
 
         gait: by its name, its place in the repertoire, or itself. prey: the wheel speeds [m/s] that the prey holds
-        meanwhile; None: it steers itself. Raises InputError for what is no gait of the robot, or after the end.
+        meanwhile; None: it steers itself. nodes: how many the planner weighed; where ``protocol.thinking`` prices
+        them, the gait before is held for so much of the time-step. Raises InputError for what is no gait of the robot,
+        or after the end.
         """
         chosen = self.gaits.gaits[self.gaits.number(gait)]
         if self.done:
@@ -117,8 +119,14 @@ class Pursuit:
         before, _ = self._perceiver.previous, self.situation  # what was seen before the gait must have been looked at
         self._changes += before is not None and chosen.name != before
         self._perceiver.execute(chosen.name)
-        self._run = self.trial.step(chosen, prey)
+        held = None if before is None else self.gaits.gaits[self.gaits.number(before)]
+        self._run = self.trial.step(chosen, prey, thought=self._thought(nodes), held=held)
         self._situation = None
+
+    def _thought(self, nodes: int) -> float:
+        """Seconds that weighing ``nodes`` takes."""
+        protocol = self.trial.settings.protocol
+        return 0.0 if protocol.thinking == "free" else nodes * protocol.seconds_per_node
 
     @property
     def done(self) -> bool:

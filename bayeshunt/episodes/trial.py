@@ -60,11 +60,21 @@ class Trial:
         """Seconds to the catch; the time limit if there was none."""
         return self.moment.time if self.caught else self.settings.protocol.time_limit
 
-    def step(self, gait: Gait, prey: Gait | None = None) -> Run:
-        """Let the hunter hold ``gait`` for a time-step, or for what is left; ``prey``: the prey's gait, if any."""
-        before = self.moment
-        gaits = {HUNTER: gait} if prey is None else {HUNTER: gait, PREY: prey}
-        run = self.world.run(gaits, min(self.settings.robot.gait_duration, self.time_left), self.reach)
+    def step(self, gait: Gait, prey: Gait | None = None, *, thought: float = 0.0, held: Gait | None = None) -> Run:
+        """Let the hunter hold ``gait`` for a time-step, or for what is left; ``prey``: the prey's gait, if any.
+
+        thought: seconds of the time-step for which it still thinks, in whole physics steps; the world goes on, and it
+        holds ``held``, the gait before (None: it stands).
+        """
+        before, step = self.moment, self.settings.physics.step
+        left = min(self.settings.robot.gait_duration, self.time_left)
+        wait = min(math.floor(thought / step + 1e-9) * step, left)
+        others = {} if prey is None else {PREY: prey}
+        run = Run(())
+        if wait > 0:
+            run = self.world.run(others if held is None else {HUNTER: held, **others}, wait, self.reach)
+        if run.stopped is None and left - wait > 0.5 * step:
+            run = _joined(run, self.world.run({HUNTER: gait, **others}, left - wait, self.reach))
         if not run.moments or not run.moments[-1].time > before.time:
             raise BayesHuntError(f"world {self.settings.world!r}: a run of a gait took no time; run check_world on it")
         self.moment, self.caught = run.moments[-1], run.stopped is not None
@@ -77,3 +87,11 @@ class Trial:
         """Return times [M] from now [s] and the prey's noise-free poses then, as the hunter sees them now."""
         times, poses = foresee(self.world, duration)
         return times, self.moment.poses[HUNTER].relative(poses)
+
+
+def _joined(one: Run, other: Run) -> Run:
+    """Two runs, one after the other, as one."""
+    if not one.moments:
+        return other
+    energy = {name: spent + one.energy.get(name, 0.0) for name, spent in other.energy.items()}
+    return Run([*one.moments, *other.moments], other.stopped, energy)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from bayeshunt.config.schema.groups import Finite, Positive, Settings
+from bayeshunt.config.schema.groups import Finite, NonNegative, Positive, Settings
 from bayeshunt.core.checks import FULL_TURN, beyond_a_turn
 from bayeshunt.core.geometry import Pose
 from bayeshunt.core.task import CATCH_BODIES
@@ -47,6 +47,13 @@ class ProtocolSettings(Settings):
     hunter_x: Finite = Field(0.0, description="where the hunter starts, from the arena's centre along x [m]")
     hunter_y: Finite = Field(0.0, description="where the hunter starts, from the arena's centre along y [m]")
     hunter_theta: Finite = Field(0.0, description="where it faces at the start, counter-clockwise from x [rad]")
+
+    thinking: Literal["free", "nodes"] = Field(
+        "free", description="whether the world waits while the hunter thinks, or goes on for every node that it weighs"
+    )
+    seconds_per_node: NonNegative = Field(
+        0.002, description="with thinking by nodes: how long the gait before is held for each node weighed [s]"
+    )
 
     @field_validator("hunter_theta")
     @classmethod
