@@ -52,7 +52,8 @@ def test_energy_and_falls_are_counted_kept_and_the_same_after_an_interruption(tm
     assert sorted(spent) == spent
     episode.save(tmp_path / "hunt.parquet")
     page = replay_html(bh.Episode.load(tmp_path / "hunt.parquet"))
-    assert f"{row['energy']:.1f} J, {row['transitions']} changes of gait, {row['falls']} falls" in page
+    spent = f"{row['energy']:.1f} J, {row['transitions']} changes of gait, {row['falls']} falls"
+    assert f"decisions · {spent} · seed" in page  # in its head, for people
 
 
 def test_evaluate_and_hunt_say_what_was_spent(bayeshunt):
