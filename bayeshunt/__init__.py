@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from bayeshunt.experiments.store.export import load_results, save_results
     from bayeshunt.experiments.studies.memories import remember
     from bayeshunt.experiments.studies.references import reference
+    from bayeshunt.experiments.studies.routes import routes
     from bayeshunt.experiments.studies.sweep import sweep
     from bayeshunt.experiments.studies.tradeoff import tradeoff
     from bayeshunt.models.arena.free_space import FreeSpace
@@ -128,6 +129,7 @@ _HOMES = {
     "TurnModel": ("bayeshunt.models.target.turns", "TurnModel"),
     "remember": ("bayeshunt.experiments.studies.memories", "remember"),
     "sweep": ("bayeshunt.experiments.studies.sweep", "sweep"),
+    "routes": ("bayeshunt.experiments.studies.routes", "routes"),
     "tradeoff": ("bayeshunt.experiments.studies.tradeoff", "tradeoff"),
     **{name: ("bayeshunt.experiments.scores", name) for name in ("summarise", "wilson_interval")},
     **{name: ("bayeshunt.experiments.store.export", name) for name in ("load_results", "save_results")},

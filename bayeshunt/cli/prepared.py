@@ -1,4 +1,4 @@
-"""reference, remember, explore: tables that planners need and that are made beforehand."""
+"""reference, remember, explore: tables that planners need and that are made beforehand; routes: what a map is worth."""
 
 from __future__ import annotations
 
@@ -138,6 +138,48 @@ def explore(
     tell(facts, as_json, f"{out}: {_shown(walls, steps)}\n"
          f"next: {following} --planner intercept_walls --arena {shlex.quote(arena)} "
          f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip
+
+
+@app.command(short_help="Which way round is chosen, against how well the arena is known.")
+def routes(
+    preset: Preset = "portia",
+    config: Config = None,
+    overrides: Overrides = None,
+    explored: Annotated[
+        list[int] | None, typer.Option(help="Gaits babbled in the arena beforehand; may be given several times.")
+    ] = None,
+    looks: Annotated[
+        list[int] | None, typer.Option(help="Looks around from the start instead; may be given several times.")
+    ] = None,
+    maps: Annotated[int, typer.Option(help="Maps of each kind, per arena.")] = 4,
+    runs: Annotated[int, typer.Option(help="Hunts with each map, per bearing.")] = 3,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Hunt a lure behind a barrier with planner detour: which side is chosen first, is it right, does it arrive?
+
+    A row per number of gaits babbled in the arena beforehand, and per number of looks around from the start: from the
+    ground, where obstacles hide what is behind them, and raised above them. A side chosen by chance is right in 50 %.
+
+    Example:  bayeshunt routes --preset portia --explored 250 --explored 2000 --looks 5
+    """
+    from bayeshunt.experiments.studies import routes as studies
+    from bayeshunt.views.terminal import terminal
+
+    settings = read_experiment(None if config else preset, config, overrides)
+    chosen = list(studies.EXPLORED) if explored is None and looks is None else explored or []
+    around = list(studies.LOOKS) if explored is None and looks is None else looks or []
+    kinds = len(chosen) + 2 * len(around)
+    total = kinds * len(settings.arenas) * max(maps, 0) * max(runs, 0) * len(settings.protocol.thetas)
+    with terminal.progress_bar("hunting", total, quiet=quiet or as_json) as advance:
+        frame = studies.routes(
+            settings, explored=chosen, looks=around, maps=maps, runs=runs, seed=seed, progress=advance
+        )
+    if as_json:
+        typer.echo(frame.to_json(orient="records"))
+        return
+    terminal.routes_table(frame)
 
 
 def _shown(walls: Any, steps: int) -> str:

@@ -15,7 +15,18 @@ from bayeshunt.models.tables.structures import NAIVE
 #: Plain pairs, triples and classes of a physics engine: what they hold is checked where it is used.
 LEFT_OUT = {"Drive", "Explorer", "Polar", "Pose"}
 #: Callables that work for seconds with arguments of the right kind: only those of the wrong kind are tried.
-SLOW = {"evaluate", "sweep", "tradeoff", "write_report", "remember", "reference", "learn_room", "hunt", "assess"}
+SLOW = {
+    "evaluate",
+    "sweep",
+    "tradeoff",
+    "write_report",
+    "remember",
+    "reference",
+    "learn_room",
+    "hunt",
+    "assess",
+    "routes",
+}
 #: Arguments that take whatever there is, or are looked at where they are used.
 TAKEN = {"Gait name", "PreyModel conditions", "wrap angle", "InverseModel.after previous_gait"}
 #: What a message calls an argument, where that is plainer than its name.
@@ -424,6 +435,19 @@ def _cases():
             },
         ),
         "track_report": (bh.track_report, {"tracks": tracks}),
+        "routes": (
+            bh.routes,
+            {
+                "experiment": bh.load_experiment("portia", {"protocol.time_limit": 4.0}),
+                "explored": (0,),
+                "looks": (),
+                "maps": 1,
+                "runs": 1,
+                "seed": 0,
+                "model": None,
+                "progress": None,
+            },
+        ),
         "tradeoff": (
             bh.tradeoff,
             {

@@ -32,8 +32,10 @@ def free_space(shown: FreeSpace | RoomModel) -> Figure:
         mesh = axes.pcolormesh(-rows[::-1], columns, chance[:, ::-1], cmap=colours, vmin=0, vmax=1, rasterized=True)
         bar = figure.colorbar(mesh, ax=axes, shrink=0.8)
         bar.set_label("P(free)")
-        axes.set_xlim(-rows[-1], -rows[0])
-        axes.set_ylim(columns[0], columns[-1])
+        known = np.isfinite(chance)
+        (first, last), (right, left) = (np.flatnonzero(known.any(axis=axis))[[0, -1]] for axis in (1, 0))
+        axes.set_xlim(-rows[left + 2 if left + 2 < len(rows) else -1], -rows[max(right - 1, 0)])
+        axes.set_ylim(columns[max(first - 1, 0)], columns[min(last + 2, len(columns) - 1)])
     frame_axes(axes)
     axes.set_aspect("equal", adjustable="box")
     if isinstance(shown, RoomModel):

@@ -178,6 +178,25 @@ def sweep_table(frame: Any) -> None:
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
 
 
+def routes_table(frame: Any) -> None:
+    """Print which side was chosen, against how well the arena was known."""
+    table = TextTable(
+        word("map"), "hunts", "chose", "right", "95 %", "reached", "mean s",
+        title="{experiment}, seed {seed}, {maps} maps an arena".format(**frame.attrs),
+    )  # fmt: skip
+    for row in frame.to_dict("records"):
+        interval = f"{100 * row['right_low']:.0f} to {100 * row['right_high']:.0f}" if row["chose"] else ""
+        table.row(
+            f"{row['amount']:,} {row['map']}", row["hunts"], row["chose"], row["right"], interval,
+            f"{row['reached']}/{row['hunts']}", f"{row['time_s']:.1f}",
+        )  # fmt: skip
+    table.print(out)
+    if frame.attrs["note"]:
+        out.print(Text(frame.attrs["note"], style="italic"))
+    out.print("chose: left the straight line for a side; right: for that of the shortest way (95 % Wilson, of those "
+              "that chose). A miss counts as the time limit in the mean time.", style="dim")  # fmt: skip
+
+
 def tradeoff_table(frame: Any) -> None:
     """Print a trade-off: one row per planner and weight."""
     table = TextTable(
