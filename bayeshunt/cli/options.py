@@ -79,7 +79,7 @@ def read_experiment(
 
 
 def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
-    """The shipped experiment, ``changes`` made, whose robot a model is of: the two of the paper before the others."""
+    """The shipped experiment, ``changes`` made, whose robot a model is of; the default, then the testbed come first."""
     from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, preset_names
     from bayeshunt.experiments.run.runner import check_model
     from bayeshunt.models.formats.interchange import open_model

@@ -22,12 +22,13 @@ from bayeshunt.views.figures.experiments import experiment, setup, success
 from bayeshunt.views.figures.models import gait_outcomes, network, prey, prey_table, prey_transition
 from bayeshunt.views.figures.plans import planning_step, search_tree
 from bayeshunt.views.figures.scores import forward_scores, prey_scores
+from bayeshunt.views.figures.space import free_space
 from bayeshunt.views.figures.style import save
 
 __all__ = [
-    "described", "experiment", "forward_scores", "gait_outcomes", "network", "paper_figures", "planning_step", "prey",
-    "prey_scores", "prey_table", "prey_transition", "reliability", "save", "save_all", "search_tree", "setup",
-    "success",
+    "described", "experiment", "forward_scores", "free_space", "gait_outcomes", "network", "paper_figures",
+    "planning_step", "prey", "prey_scores", "prey_table", "prey_transition", "reliability", "save", "save_all",
+    "search_tree", "setup", "success",
 ]  # fmt: skip
 
 #: The paper's figure of each experiment; other combinations are called after planner and arena only.
