@@ -89,7 +89,7 @@ def test_futures_are_resampled_in_proportion(planner):
 
 
 def test_without_prey_noise_the_paths_are_those_of_the_turn_table(model):
-    calm, case = belief(model, prey_noise=0.0), situation(0.3, 0.2, 1.0)
+    calm, case = belief(model, prey_noise=0.0, hazard=0.1), situation(0.3, 0.2, 1.0)
     whole, drawn = calm.futures(case), calm.sampled(case, 1)
     known = {
         tuple(np.round(np.concatenate(path), 9)) for path in zip(*whole.at(np.array([1.0, 4.0, 9.0])), strict=True)

@@ -7,11 +7,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from planner_cases import BODY, STEP, situations
 
 from bayeshunt.config.loading import load_robot
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.prey import PreyModel
@@ -142,6 +144,15 @@ def _fitted(step):
 def test_turn_model_refuses_nonsense(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
         TurnModel(**{"prior_speed": 0.2, **wrong})
+
+
+def test_what_wandering_explains_is_no_turn():
+    """A hunter whose own heading wanders takes no change of the prey's for a turn that its own would pass for."""
+    assert _fitted(3.328).prior.threshold == 0.4
+    rows = {"gait": ["straight"] * 60, "distance": [0.2] * 60, "angle": [0.0] * 60, "heading": [-0.5, 0.0, 0.5] * 20}
+    shaky = ForwardModel.fit(pd.DataFrame(rows), GaitRepertoire((Gait("straight"),), BODY, STEP))
+    assert intercept(shaky).prior.threshold == pytest.approx(2.0 * OwnMotion.of(shaky, 0.4).drift)
+    assert intercept(shaky).prior.threshold > 0.8
 
 
 # --- futures ---------------------------------------------------------------------------------------

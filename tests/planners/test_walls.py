@@ -13,9 +13,11 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.conformance import check_planner
 from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
+from bayeshunt.planners.interception.futures import turning_futures
 from bayeshunt.planners.interception.intercept import intercept
 from bayeshunt.planners.interception.intercept_room import intercept_room
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, intercept_walls
@@ -137,7 +139,7 @@ def test_walls_planner_conforms(model):
 def test_a_room_without_walls_is_the_open(model):
     empty = RoomModel.empty()
     case = hunt_situation(Pose(0.1, 0.0, 1.0), Pose(0.3, 0.2, 0.5), [Polar(0.16, 0, 0)])
-    with_walls, without = intercept_walls(model, room=empty, hazard=0.1), intercept(model)
+    with_walls, without = intercept_walls(model, room=empty, hazard=0.1), intercept(model, room_chance=0.0, hazard=0.1)
     assert (
         with_walls.plan(case, rng=np.random.default_rng(0)).value
         == without.plan(case, rng=np.random.default_rng(0)).value
@@ -228,7 +230,35 @@ def belief_after(planner, poses):
 def test_rooms_before_anything_is_seen(model):
     table = intercept_room(model, room_chance=0.3, sizes=6).rooms(hunt_situation(Pose(0, 0, 0), Pose(0.3, 0, 0)))
     assert table["probability"].tolist() == pytest.approx([0.05] * 6 + [0.7])
-    assert table["size"].iloc[[0, -2, -1]].tolist() == pytest.approx([6.2 * BODY, 24.2 * BODY, math.inf])
+    assert table["size"].iloc[[0, -2, -1]].tolist() == pytest.approx([4.5 * BODY, 18.0 * BODY, math.inf])
+
+
+def test_rooms_show_what_was_believed_before(model):
+    table = belief_after(intercept_room(model), prey_trail(0.45, 6, (0.2, 0.1), 0.1))
+    assert table["before"].tolist() == pytest.approx([0.3 / 8] * 8 + [0.7])
+    assert table["probability"].max() > 0.3
+
+
+def test_the_planner_of_another_name_is_the_same_hunter(model):
+    case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.3, 0.05, 0.1), [Polar(0.16, 0, 0)])
+    plans = [make(model).plan(case, rng=np.random.default_rng(0)) for make in (intercept, intercept_room)]
+    assert plans[0].value == plans[1].value
+
+
+def test_a_hunter_that_does_not_know_where_it_is_believes_in_no_room(model):
+    planner, lost = intercept(model), Situation(Polar(0.3, 0.1, 0.2), PreyModel(), body_length=BODY, time_step=STEP)
+    assert planner.futures(lost).weights.tolist() == planner.turning(lost).weights.tolist()
+
+
+def test_of_many_futures_the_likeliest_are_kept():
+    known = TurnModel(0.16, np.array([1.0, -1.0, 2.0]), prior_hazard=0.3)
+    whole = turning_futures(Polar(0.3, 0.1, 0.2), known, STEP, 4)
+    some = whole.likely(5)
+    assert len(some.weights) == 5
+    assert some.weights.sum() == pytest.approx(1.0)
+    assert some.weights.min() * np.sort(whole.weights)[-5:].sum() >= np.sort(whole.weights)[-6]
+    assert some.groups[0] == 0  # straight on
+    assert sorted(set(some.groups.tolist())) == list(range(int(some.groups.max()) + 1))
 
 
 @pytest.mark.parametrize("size", [0.45, 0.7])
@@ -251,7 +281,8 @@ def test_a_prey_that_runs_on_and_on_is_in_no_room(model):
 def test_the_guess_can_be_switched_off_and_moves_the_decision(model):
     case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.3, 0.05, 0.1), [Polar(0.16, 0, 0)])
     off = intercept_room(model, room_chance=0.0).plan(case, rng=np.random.default_rng(0)).value
-    assert off == intercept(model, hazard=0.02).plan(case, rng=np.random.default_rng(0)).value
+    open_field = intercept_walls(model, room=RoomModel.empty(), hazard=0.02)
+    assert off == open_field.plan(case, rng=np.random.default_rng(0)).value
     assert intercept_room(model, room_chance=0.9).plan(case, rng=np.random.default_rng(0)).value < off
 
 

@@ -17,7 +17,6 @@ from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.detour.ways import WayFinder, Ways
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.intercept import InterceptPlanner
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, RoomSettings
 from bayeshunt.planners.interception.lookahead import PairPaths
 from bayeshunt.planners.requests import check_request
@@ -72,7 +71,7 @@ class DetourPlanner(InterceptWallsPlanner):
     def futures(self, situation: Situation) -> Futures:
         """Return the prey's paths: among the walls, if it knows any."""
         if situation.pose is None and self.ways is None and not len(self.room.offsets):
-            return InterceptPlanner.futures(self, situation)
+            return self.turning(situation)
         return super().futures(situation)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,7 @@ __all__ = ["BeliefPlanner", "BeliefSettings", "belief"]
 class BeliefSettings(InterceptSettings):
     """Settings of the belief hunter: those of the interception hunter (``spread`` is not used), and its samples."""
 
+    name: ClassVar[str] = "belief"
     samples: Count = setting(64, "joint samples of hunter and prey, S", ge=2)
     blocks: Count = setting(4, "independent sets of samples; each decision picks one with its rng", ge=1)
     bank_seed: Count = setting(0, "seeds the private generator of the samples", ge=0)

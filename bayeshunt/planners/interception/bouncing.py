@@ -7,6 +7,7 @@ and returned in its present one. Letters: W walls, K futures, B legs.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.planners.interception.futures import Futures
 
-__all__ = ["LEGS", "Walls", "room_futures", "sliding_future"]
+__all__ = ["LEGS", "Walls", "room_futures", "rooms_futures", "sliding_future"]
 
 #: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
 LEGS = 9
@@ -82,23 +83,38 @@ def room_futures(
     so it may take the other side, a second path: ``P(left) = Phi(slant / (drift sqrt(steps to the wall)))``.
     pose: the hunter's, in its starting frame. legs: straight runs of each path, the last for ever.
     """
+    return rooms_futures(prey, pose, [(1.0, walls)], speed, drift, time_step, legs=legs)[1]
+
+
+def rooms_futures(
+    prey: Polar, pose: Pose, rooms: Iterable[tuple[float, Walls]], speed: float, drift: float, time_step: float, *,
+    legs: int = LEGS,
+) -> tuple[float, Futures | None]:  # fmt: skip
+    """Return the probability of those of ``rooms`` (probability, walls) that have a wall ahead, and the paths in them.
+
+    As :func:`room_futures`; None if no room has a wall ahead of the prey.
+    """
     at = Pose(*(float(part) for part in pose.compose(prey)))
-    wall, gap = walls.meet(at)
-    if wall < 0:
-        return None
-    slant = walls.slant(wall, at.theta)
-    side = 1.0 if slant >= 0 else -1.0
-    paths = [_path(at, walls, speed, side, legs)]
-    steps = gap / (speed * time_step) if speed > 0 else 0.0
-    wander = max(drift * math.sqrt(2.0 * steps), 1e-9)  # sqrt(2): of the error function
-    other = 0.5 * math.erfc(abs(slant) / wander)
-    weights = [1.0]
-    if other >= _NEGLIGIBLE and speed > 0:
-        paths.append(_path(at, walls, speed, -side, legs))
-        weights = [1.0 - other, other]
-    apart = speed > 0 and steps < 1.0
-    groups = np.arange(1, len(weights) + 1) if apart else np.zeros(len(weights), dtype=int)
-    return _seen(paths, pose, speed, np.array(weights), groups)
+    paths, weights, apart = [], [], []
+    for chance, walls in rooms:
+        wall, gap = walls.meet(at)
+        if wall < 0:
+            continue
+        slant = walls.slant(wall, at.theta)
+        side = 1.0 if slant >= 0 else -1.0
+        steps = gap / (speed * time_step) if speed > 0 else 0.0
+        wander = max(drift * math.sqrt(2.0 * steps), 1e-9)  # sqrt(2): of the error function
+        other = 0.5 * math.erfc(abs(slant) / wander)
+        both = other >= _NEGLIGIBLE and speed > 0
+        for towards, share in ((side, 1.0 - other if both else 1.0), (-side, other))[: 1 + both]:
+            paths.append(_path(at, walls, speed, towards, legs))
+            weights.append(chance * share)
+            apart.append(speed > 0 and steps < 1.0)
+    if not paths:
+        return 0.0, None
+    groups = np.where(apart, np.arange(1, len(paths) + 1), 0)
+    whole = math.fsum(weights)
+    return whole, _seen(paths, pose, speed, np.array(weights) / whole, groups)
 
 
 def sliding_future(prey: Polar, pose: Pose, walls: Walls, speed: float) -> Futures:

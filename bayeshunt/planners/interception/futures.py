@@ -57,10 +57,17 @@ class Futures:
         return x + run * np.cos(heading), y + run * np.sin(heading)
 
     def only(self, chosen: np.ndarray) -> Futures:
-        """Return some of these futures, bool [K]; their weights no longer sum to 1."""
+        """Return some of these futures, bool [K] or their numbers; their weights no longer sum to 1."""
         pace = None if self.pace is None else self.pace[chosen]
         names = ("weights", "starts", "forward", "right", "heading", "speed", "groups")
         return replace(self, pace=pace, **{name: getattr(self, name)[chosen] for name in names})
+
+    def likely(self, most: int) -> Futures:
+        """Return the ``most`` likeliest of these futures, in their order; their weights sum to 1."""
+        chosen = np.sort(np.argsort(-self.weights, kind="stable")[:most])
+        some = self.only(chosen)
+        _, groups = np.unique(np.append(0, some.groups), return_inverse=True)  # group 0 stays that without a turn
+        return replace(some, weights=some.weights / some.weights.sum(), groups=groups[1:])
 
     def standing_still(self) -> Futures:
         """Return these futures for a prey that does not move."""
@@ -106,11 +113,11 @@ def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int)
     )
 
 
-def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
+def mix(parts: Sequence[tuple[float, Futures]], most: int | None = None) -> Futures:
     """Return one set of futures from several, each with its probability (any positive scale).
 
     Legs are foreseen if those of all parts are. Futures that do not turn before the next decision cannot be told
-    apart by it.
+    apart by it. most: of more futures than these, only the likeliest are kept; None: all.
     """
     legs = max(futures.starts.shape[1] for _, futures in parts)
     weights = np.concatenate([chance * futures.weights for chance, futures in parts])
@@ -127,7 +134,8 @@ def mix(parts: Sequence[tuple[float, Futures]]) -> Futures:
         own = (np.ones(f.starts.shape) if f.pace is None else f.pace for _, f in parts)
         pace = np.concatenate([_padded(one, legs, 1.0) for one in own])
     foreseen = all(futures.foreseen for chance, futures in parts if chance > 0)
-    return Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups, foreseen, pace)
+    mixed = Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups, foreseen, pace)
+    return mixed if most is None or len(weights) <= most else mixed.likely(most)
 
 
 def _padded(array: np.ndarray, legs: int, fill: float) -> np.ndarray:

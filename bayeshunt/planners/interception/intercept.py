@@ -1,64 +1,66 @@
-"""The interception hunter: the gait that leads to the earliest expected capture."""
+"""The interception hunter: the gait that leads to the earliest expected capture, in a room that it may be in."""
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar
 
 import numpy as np
+import pandas as pd
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.task import CATCH_BODIES
+from bayeshunt.core.geometry import Pose
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
-from bayeshunt.planners.api import Plan, Situation
-from bayeshunt.planners.interception.futures import Futures, turning_futures
-from bayeshunt.planners.interception.homing import Homing
-from bayeshunt.planners.interception.pairs import PairPlanner
-from bayeshunt.planners.requests import catch_distance, check_request
-from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
+from bayeshunt.models.target.turns import TurnModel, earlier_poses, in_legs
+from bayeshunt.planners.api import Situation
+from bayeshunt.planners.interception.bouncing import Walls, rooms_futures
+from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
+from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 __all__ = ["InterceptPlanner", "InterceptSettings", "intercept"]
 
+_NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+#: Rooms less probable than this are left out of a decision.
+_NEGLIGIBLE = 0.01
+#: The likeliest futures that a decision is taken over.
+_MOST = 24
+#: Straight runs of a path among guessed walls.
+_LEGS = 3
+
+
+_REACH = (
+    "distance from the start to where the prey turns away from a wall, of the smallest and the largest "
+    "room, body lengths"
+)
+
 
 @planner_settings("intercept")
-class InterceptSettings:
-    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on."""
+class InterceptSettings(TurningSettings):
+    """Settings of the interception hunter, and the belief about rooms before anything is seen."""
 
-    catch_distance: Number | None = setting(
-        None, "body lengths between the centres that count as a capture; by default what the experiment says", gt=0
-    )
-    spread: Number = setting(
-        0.1, "body lengths about catch_distance over which the chance of a capture falls from 1 to 0", gt=0
-    )
-    heading_price: Number = setting(
-        1.0,
-        "what turning towards the prey costs beyond the lookahead, in time-steps per softest full-speed turn",
-        ge=0,
-    )
-    leg: Number = setting(
-        3.4,
-        "body lengths at top speed over which motions are compared, by the nearest number of time-steps: hazard, turns "
-        "and prices are per such leg",
-        gt=0,
-    )
-    prior: Switch = setting(
-        True, 'before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False)'
-    )
-    prior_speed: Number = setting(
-        0.9, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
-    )
+    name: ClassVar[str] = "intercept"
     hazard: Number = setting(
-        0.1, "chance per time-step that the prey turns, believed beforehand; 0: it never turns", ge=0, le=1
+        0.02, "chance per leg that the prey turns where there is no wall, believed beforehand; 0: never", ge=0, le=1
     )
-    hazard_steps: Number = setting(4.0, "how many observed time-steps that belief is worth", gt=0)
-    turn_weight: Number = setting(
-        0.5, "how many observed turns the hunter's own turns are worth as a guess at the prey's", gt=0
+    room_chance: Number = setting(0.3, "probability that there is a room at all", ge=0, lt=1)
+    nearest: Number = setting(4.5, _REACH, range="0 < nearest < farthest", gt=0)
+    farthest: Number = setting(18.0, _REACH, range="0 < nearest < farthest", gt=0)
+    sizes: Count = setting(8, "rooms between them, log-spaced", ge=2)
+    slack: Number = setting(0.6, "body lengths over which a turn before or after the wall is believed", gt=0)
+    error: Number = setting(
+        0.03, "probability that a prey turns away from the walls, or meets one without turning", gt=0, lt=0.5
     )
-    turn_threshold: Number = setting(0.4, "a heading change per time-step [rad] from which a motion is a turn", gt=0)
-    turn_steps: Count = setting(4, "time-steps ahead in which a turn of the prey is considered", ge=0)
+    rebound: Number = setting(
+        0.5, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
+    )
+
+    def __post_init__(self) -> None:
+        if not self.nearest < self.farthest:
+            raise InputError(f"{self.name}: expected nearest < farthest, got {self.nearest:g} and {self.farthest:g}")
 
 
-class InterceptPlanner(PairPlanner):
+class InterceptPlanner(TurningPlanner):
     """Minimises the expected time of the first capture, not the distance at a step's end.
 
     1. The hunter: the babbled mean part-way poses of every pair of gaits, composed once; in a model of
@@ -73,52 +75,90 @@ class InterceptPlanner(PairPlanner):
     5. The second gait may depend on whether the prey was seen to turn in the first step.
 
     Everything is learned by babbling and within the hunt; ``rng`` is not used.
+
+    Where the prey turns is also evidence of a room. The belief: no room, where it turns by chance; or a square
+    room about the place where the hunter began, squared up with its first heading, of one of a few sizes
+    (log-uniform). This is a strong assumption about the form of rooms, none about the size of the present one; a
+    room elsewhere or askew is seen as a prey that turns by chance.
+
+    ``P(room | prey so far) ~ P(room) product over legs of P(turned or not | room)``, where
+    ``P(turn | room) = error + (1 - 2 error) / (1 + exp((gap to the wall - leg) / slack))``. The prey's futures are
+    those of every hypothesis, weighted; :meth:`rooms` opens the table. Without ``situation.pose``, or with
+    ``room_chance = 0``, there is no room.
     """
 
     name = "intercept"
     Settings: ClassVar[type[InterceptSettings]] = InterceptSettings
+    settings: InterceptSettings
 
     def __init__(self, model: ForwardModel, settings: InterceptSettings | None = None, **given: Any) -> None:
-        self.settings = chosen = self.Settings(**given) if settings is None else settings
-        step, body = model.gaits.need("duration"), model.gaits.need("body_length")
-        fastest = OwnMotion.of(model, chosen.turn_threshold).top_speed
-        if not fastest > 0:
-            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
-        steps = max(1, round(chosen.leg * body / fastest))
-        own = OwnMotion.of(model, chosen.turn_threshold, steps)
-        price = chosen.heading_price * steps * step / own.softest_turn
-        reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
-        super().__init__(model, Homing(own.top_speed / (steps * step), reach, price), chosen.spread * body)
-        #: Time-steps, and seconds, in which the prey's motion is counted.
-        self.steps, self.leg = steps, steps * step
-        self.prior = TurnModel(
-            prior_speed=chosen.prior_speed * own.top_speed,
-            prior_turns=own.turns,
-            prior_hazard=chosen.hazard,
-            prior_steps=chosen.hazard_steps,
-            turn_weight=chosen.turn_weight,
-            threshold=chosen.turn_threshold,
-            prior_drift=own.drift,
-        )
-
-    def prey(self, situation: Situation) -> TurnModel:
-        """Return what is known of the prey: the prior and the transitions seen so far."""
-        return self.prior.learn(in_legs(situation.transitions, self.steps))
+        super().__init__(model, settings, **given)
+        chosen = self.settings
+        body = model.gaits.need("body_length")
+        self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
+        self.slack = chosen.slack * body
+        self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]
 
     def futures(self, situation: Situation) -> Futures:
-        """Return the prey's weighted futures, as the hunter sees them now."""
+        """Return the prey's futures under every hypothesis about the room."""
+        if situation.pose is None or self.settings.room_chance == 0.0:
+            return self.turning(situation)
+        if not (self.settings.prior or situation.transitions):
+            return self.turning(situation)
         known = self.prey(situation)
-        futures = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
-        return futures if self.settings.prior or situation.transitions else futures.standing_still()
+        chances = self._posterior(situation, known)
+        free = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
+        likely = [(c, walls) for walls, c in zip(self.walls, chances.tolist(), strict=False) if c >= _NEGLIGIBLE]
+        speed = known.speed / self.leg
+        chance, bounced = rooms_futures(
+            situation.prey, situation.pose, likely, speed, known.drift, self.leg, legs=_LEGS
+        )
+        parts = [(float(chances[-1]), free)]
+        if bounced is not None:
+            parts.append((chance, bounced))
+        return mix(parts, _MOST)
 
-    def reach(self, situation: Situation) -> float:
-        """Return the distance between the centres that is a capture [m]."""
-        return catch_distance(situation, self.settings.catch_distance)
+    def rooms(self, situation: Situation) -> pd.DataFrame:
+        """Return the belief, one row per size and the last for no room: size [m, inf: none], probability, before."""
+        if situation.pose is None:
+            raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
+        chances = self._posterior(situation, self.prey(situation))
+        columns = {"size": [*self.sizes, math.inf], "probability": chances, "before": np.exp(self._before())}
+        return pd.DataFrame(columns).rename_axis("Room")
 
-    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
-        """Return the pair of gaits of the earliest expected capture."""
-        situation = check_request(situation, rng, self.hunter)
-        return self.choose(situation, self.pairs_from(situation), self.futures(situation))
+    def _before(self) -> np.ndarray:
+        """Return the logarithm of the probability of each room, and last of none, before anything is seen."""
+        chance, count = self.settings.room_chance, len(self.sizes)
+        before: np.ndarray = np.log(np.append(np.full(count, chance / count), 1.0 - chance))
+        return before
+
+    def _posterior(self, situation: Situation, known: TurnModel) -> np.ndarray:
+        """Return the probability of each room and, last, of none; sums to 1."""
+        chosen = self.settings
+        logs = self._before()
+        assert situation.pose is not None
+        legs = in_legs(situation.transitions, self.steps)
+        poses = earlier_poses(situation.pose.compose(situation.prey), legs)
+        turned = np.array([abs(leg.heading) >= known.threshold for leg in legs])
+        # What a prey that turns by chance was believed to do, from the legs before each.
+        hazards = np.cumsum(np.append(chosen.hazard * chosen.hazard_steps, turned))[:-1]
+        hazards = hazards / (chosen.hazard_steps + np.arange(len(legs)))
+        for pose, turn, hazard in zip(poses, turned.tolist(), hazards.tolist(), strict=True):
+            chance = np.append(self._turn_chance(pose, known.speed), hazard)
+            logs += np.log(np.maximum(chance if turn else 1.0 - chance, 1e-12))
+        weights: np.ndarray = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        return weights
+
+    def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
+        """Return P(the prey turns within a time-step | room) for each size, the prey starting at ``pose``."""
+        towards = np.array(_NORMALS) @ np.array([math.cos(pose.theta), math.sin(pose.theta)])
+        along = np.array(_NORMALS) @ np.array([pose.x, pose.y])
+        ahead = towards > 1e-9
+        gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
+        error = self.settings.error
+        chance: np.ndarray = 1.0 / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
+        return error + (1.0 - 2.0 * error) * chance
 
 
 #: The planner by the name that it is registered under.

@@ -15,7 +15,7 @@ from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
 from bayeshunt.planners.interception.futures import Futures, mix
-from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
+from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
 __all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
@@ -27,7 +27,7 @@ _WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 
 
 @planner_settings("intercept_walls")
-class RoomSettings(InterceptSettings):
+class RoomSettings(TurningSettings):
     """Settings of the interception hunter, the room it is in, and what a prey does at a wall."""
 
     hazard: Number = setting(
@@ -49,7 +49,7 @@ class RoomSettings(InterceptSettings):
     )
 
 
-class InterceptWallsPlanner(InterceptPlanner):
+class InterceptWallsPlanner(TurningPlanner):
     """Interception with the prey's path followed from wall to wall, the walls learned by babbling in the arena.
 
     The hunter babbles alone in the arena before it hunts there, as it babbled to learn its own gaits:
@@ -88,7 +88,7 @@ class InterceptWallsPlanner(InterceptPlanner):
         """Return the prey's paths among the walls, weighted by what it has done at walls so far."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        free = super().futures
+        free = self.turning
         if not (self.settings.prior or situation.transitions):
             return free(situation)
         known, habits = self.prey(situation), self.at_walls(situation)
@@ -116,7 +116,7 @@ class InterceptWallsPlanner(InterceptPlanner):
         run = self.prey(situation).speed
         for leg, (before, after) in zip(legs, itertools.pairwise(poses), strict=True):
             wall, gap = walls.meet(before)
-            turned = abs(leg.heading) >= self.settings.turn_threshold
+            turned = abs(leg.heading) >= self.prior.threshold
             if gap + _WELL_WITHIN * self.body < run:
                 habits = habits.met(self.walls.left(wall, before, after, run) if turned else None)
             elif gap > run + _WELL_CLEAR * self.body:

@@ -20,7 +20,7 @@ from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
+from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Count, File, Number, planner_settings, setting
 from bayeshunt.planners.uncertainty.opened import trace
@@ -32,7 +32,7 @@ __all__ = ["SearchPlanner", "SearchSettings", "search"]
 
 
 @planner_settings("search")
-class SearchSettings(InterceptSettings):
+class SearchSettings(TurningSettings):
     """Settings of the interception hunter, and what it costs not to see the prey."""
 
     hazard: Number = setting(
@@ -62,7 +62,7 @@ class SearchSettings(InterceptSettings):
     )
 
 
-class SearchPlanner(InterceptPlanner):
+class SearchPlanner(TurningPlanner):
     """Interception under uncertainty: plans on futures sampled from the belief, and pays for those it would not see.
 
     Every pair of gaits is valued in every sampled future, as the interception hunter does. A gait's way says which

@@ -1,0 +1,115 @@
+"""What interception hunters share: own motion, a prey that may turn, the earliest expected capture."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from bayeshunt.core.errors import InputError
+from bayeshunt.core.task import CATCH_BODIES
+from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
+from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.interception.futures import Futures, turning_futures
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.pairs import PairPlanner
+from bayeshunt.planners.requests import catch_distance, check_request
+from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
+
+__all__ = ["TurningPlanner", "TurningSettings"]
+
+#: A change of heading that a wandering of so many standard deviations explains is no turn.
+_WANDER = 2.0
+
+
+@planner_settings("interception")
+class TurningSettings:
+    """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on."""
+
+    catch_distance: Number | None = setting(
+        None, "body lengths between the centres that count as a capture; by default what the experiment says", gt=0
+    )
+    spread: Number = setting(
+        0.1, "body lengths about catch_distance over which the chance of a capture falls from 1 to 0", gt=0
+    )
+    heading_price: Number = setting(
+        1.0,
+        "what turning towards the prey costs beyond the lookahead, in legs per softest full-speed turn",
+        ge=0,
+    )
+    leg: Number = setting(
+        3.4,
+        "body lengths at top speed over which motions are compared, by the nearest number of time-steps: hazard, turns "
+        "and prices are per such leg",
+        gt=0,
+    )
+    prior: Switch = setting(
+        True, 'before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False)'
+    )
+    prior_speed: Number = setting(
+        0.9, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
+    )
+    hazard: Number = setting(
+        0.1, "chance per leg that the prey turns, believed beforehand; 0: it never turns", ge=0, le=1
+    )
+    hazard_steps: Number = setting(4.0, "how many observed legs that belief is worth", gt=0)
+    turn_weight: Number = setting(
+        0.5, "how many observed turns the hunter's own turns are worth as a guess at the prey's", gt=0
+    )
+    turn_threshold: Number = setting(
+        0.4, "the least heading change per leg [rad] that is a turn, if it is beyond the hunter's own wandering", gt=0
+    )
+    turn_steps: Count = setting(4, "legs ahead in which a turn of the prey is considered", ge=0)
+
+
+class TurningPlanner(PairPlanner):
+    """Chooses the pair of gaits of the earliest expected capture of a prey that turns by chance."""
+
+    Settings: ClassVar[type[TurningSettings]] = TurningSettings
+
+    def __init__(self, model: ForwardModel, settings: TurningSettings | None = None, **given: Any) -> None:
+        self.settings = chosen = self.Settings(**given) if settings is None else settings
+        step, body = model.gaits.need("duration"), model.gaits.need("body_length")
+        fastest = OwnMotion.of(model, chosen.turn_threshold).top_speed
+        if not fastest > 0:
+            raise InputError(f"{self.name}: no gait of the forward model moves the hunter")
+        steps = max(1, round(chosen.leg * body / fastest))
+        own = OwnMotion.of(model, chosen.turn_threshold, steps)
+        price = chosen.heading_price * steps * step / own.softest_turn
+        reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
+        super().__init__(model, Homing(own.top_speed / (steps * step), reach, price), chosen.spread * body)
+        #: Time-steps, and seconds, in which the prey's motion is counted.
+        self.steps, self.leg = steps, steps * step
+        self.prior = TurnModel(
+            prior_speed=chosen.prior_speed * own.top_speed,
+            prior_turns=own.turns,
+            prior_hazard=chosen.hazard,
+            prior_steps=chosen.hazard_steps,
+            turn_weight=chosen.turn_weight,
+            threshold=max(chosen.turn_threshold, _WANDER * own.drift),
+            prior_drift=own.drift,
+        )
+
+    def prey(self, situation: Situation) -> TurnModel:
+        """Return what is known of the prey: the prior and the transitions seen so far."""
+        return self.prior.learn(in_legs(situation.transitions, self.steps))
+
+    def turning(self, situation: Situation) -> Futures:
+        """Return the weighted futures of a prey that turns by chance, as the hunter sees them now."""
+        known = self.prey(situation)
+        futures = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
+        return futures if self.settings.prior or situation.transitions else futures.standing_still()
+
+    def futures(self, situation: Situation) -> Futures:
+        """Return the prey's weighted futures that the decision is taken over."""
+        return self.turning(situation)
+
+    def reach(self, situation: Situation) -> float:
+        """Return the distance between the centres that is a capture [m]."""
+        return catch_distance(situation, self.settings.catch_distance)
+
+    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
+        """Return the pair of gaits of the earliest expected capture."""
+        situation = check_request(situation, rng, self.hunter)
+        return self.choose(situation, self.pairs_from(situation), self.futures(situation))
