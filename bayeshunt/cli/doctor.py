@@ -67,33 +67,35 @@ def self_test() -> Iterator[tuple[str, float, str | None]]:
 
 
 def _babble(made: dict[str, Any]) -> None:
-    import bayeshunt as bh
+    from bayeshunt.config.loading import load_robot
+    from bayeshunt.worlds.babbling import babble
 
-    made["robot"] = bh.load_robot("khepera")
-    made["frame"] = bh.babble(made["robot"], 400, seed=0)
+    made["robot"] = load_robot("khepera")
+    made["frame"] = babble(made["robot"], 400, seed=0)
 
 
 def _fit(made: dict[str, Any]) -> None:
-    import bayeshunt as bh
+    from bayeshunt.models.body.forward import ForwardModel
 
-    made["model"] = bh.ForwardModel.fit(made["frame"], made["robot"].gaits)
+    made["model"] = ForwardModel.fit(made["frame"], made["robot"].gaits)
     columns = made["model"].cpt("Distance").sum()
     if abs(columns - 1).max() > 1e-9:
         raise ArithmeticError(f"columns of P(Distance | Gait) sum to {columns.min()} to {columns.max()}")
 
 
 def _ask(made: dict[str, Any]) -> None:
-    import bayeshunt as bh
+    from bayeshunt.models.body.inverse import InverseModel
 
-    best = bh.InverseModel(made["model"]).posterior(distance=0.16, angle=0.5).best
+    best = InverseModel(made["model"]).posterior(distance=0.16, angle=0.5).best
     if best != "wide right":
         raise ArithmeticError(f"160 mm away, 29° to the right: expected 'wide right', got {best!r}")
 
 
 def _hunt(made: dict[str, Any]) -> None:
-    import bayeshunt as bh
+    from bayeshunt.episodes.loop import hunt
+    from bayeshunt.planners.registry import make_planner
 
-    episode = bh.hunt("paper", bh.make_planner("planning", made["model"]), arena="walled", theta=1.0, seed=0)
+    episode = hunt("paper", make_planner("planning", made["model"]), arena="walled", theta=1.0, seed=0)
     if not episode.caught:
         raise ArithmeticError("a hunt that should end with a catch did not")
 

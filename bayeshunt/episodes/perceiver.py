@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.config.schema.camera import CameraSettings
-from bayeshunt.core.checks import FULL_TURN, check_number
+from bayeshunt.core.checks import FULL_TURN, check_kind, check_number
 from bayeshunt.core.errors import DataWarning, InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Polar, Pose, in_frame
@@ -113,6 +113,8 @@ class Perceiver:
             frames = tuple(_moved(frame, origin) for frame in seen.frames)
             return Observation(time, in_frame(own, origin), frames, seen.covariance)
         if isinstance(seen, list):  # of detections: one look, now
+            for one in seen:
+                check_kind(one, "seen", Detection, "a Pose, an Observation, a list of Detections or None")
             pose = in_frame(own, origin)
             return Observation(time, pose, (_moved(Frame(time, own, tuple(seen)), origin),))
         found = () if seen is None else (Detection(pose=in_frame(_pose(seen, "seen", heading=False), origin)),)

@@ -83,10 +83,10 @@ class Structure:
         Raises InputError for other texts, and as the class does.
         """
         name, colon, listed = text.partition(":")
-        edges = tuple(tuple(end.strip() for end in edge.split("->")) for edge in listed.split(",") if edge.strip())
-        if not (colon and edges and all(len(edge) == 2 for edge in edges)):
+        ends = [[end.strip() for end in edge.split("->")] for edge in listed.split(",") if edge.strip()]
+        if not (colon and ends and all(len(edge) == 2 for edge in ends)):
             raise InputError(f"structure {text!r}: expected a name and edges, {_EXAMPLE!r}")
-        return cls(name.strip(), edges)
+        return cls(name.strip(), tuple((parent, child) for parent, child in ends))
 
     @cached_property
     def is_naive(self) -> bool:
