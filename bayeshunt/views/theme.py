@@ -78,6 +78,8 @@ _RULES = """
 .bh thead th:first-child{left:0;z-index:3;text-align:left}
 .bh .bh-left{text-align:left}
 .bh .bh-heat td{background:rgba(var(--bh-heat),var(--p,0))}
+.bh tr.bh-none:not(:hover) th,.bh tr.bh-none:not(:hover) td{padding-top:0;padding-bottom:0;border-bottom:0;
+ line-height:2px;font-size:0}
 .bh .bh-heat td:hover,.bh .bh-heat td:has(input:checked){outline:2px solid var(--bh-chosen);outline-offset:-2px}
 .bh .bh-heat td:has(input:focus-visible){outline:3px solid var(--bh-hunter);outline-offset:-3px}
 .bh .bh-heat td:has(label){padding:0}

@@ -541,3 +541,26 @@ def test_text_draws_nothing_and_html_prints_nothing(shown, monkeypatch) -> None:
             monkeypatch.setattr(place, name, fails, raising=False)
     for thing in (shown.plan, shown.episode, shown.inverse, shown.answer, shown.model):
         assert str(thing)
+
+
+def test_bins_that_nothing_fell_into_take_no_room_and_every_column_is_seen_at_once(khepera_model):
+    table = khepera_model.table("Distance")
+    html = table._repr_html_()
+    counts = table.count.to_numpy().sum(axis=1)
+    assert html.count('class="bh-none"') == (counts == 0).sum() > 0
+    assert "Where each column has its weight" in html
+    strips = html.split("Where each column has its weight")[1].split("</svg>")[0]
+    assert strips.count("<text") == len(table.probability.columns)
+
+
+def test_an_unsure_coordinate_is_pale_in_the_inverse_map(khepera_model):
+    inverse = bh.InverseModel(khepera_model)
+    html = inverse._repr_html_()
+    shown = []
+    for path in re.findall(r"<path.*?</path>", html):
+        ends = re.search(r"interval ([\d.]+) to ([\d.]+)", path)
+        if ends:
+            shown.append((re.search(r'fill-opacity="([\d.]+)"', path).group(1), *ends.groups()))
+    assert len(shown) >= 5
+    for strength, low, high in shown:
+        assert float(strength) == pytest.approx(0.15 + 0.85 * (1 - (float(high) - float(low))), abs=0.02)

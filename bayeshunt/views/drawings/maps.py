@@ -21,6 +21,7 @@ from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, tag
 
 _MARGIN = 26
+_MOST_DOUBTED = 400  # coordinates whose interval is worked out, at some 2 ms each
 _MOST_SECTORS = 1500  # of an inverse map: some 300 kB
 
 
@@ -132,6 +133,8 @@ def plan_map(plan: Plan) -> Html | None:
 def inverse_map(inverse: InverseModel) -> Html:
     """Return the most probable gait of every learned coordinate, in the robot's frame (heading up).
 
+    The wider the interval of its probability, the paler it is.
+
     Where there are more coordinates than can be seen, neighbours share a sector in the colour of most of them.
     """
     axes, names = inverse.model.axes, inverse.model.gaits.names
@@ -142,6 +145,7 @@ def inverse_map(inverse: InverseModel) -> Html:
     window = Window.around([0.0, *right], [0.0, *ahead], size=420)
     colours = theme.gait_variables(inverse.model)
     bins = np.stack([axes.distance.index(table["distance"].to_numpy()), axes.angle.index(table["angle"].to_numpy())])
+    within = _within(inverse, table, best) if len(table) <= _MOST_DOUBTED else None
     parts = []
     for corner, span, members in _sectors(bins, _MOST_SECTORS):
         gait = int(np.bincount(best[members]).argmax())
@@ -151,12 +155,28 @@ def inverse_map(inverse: InverseModel) -> Html:
         first = table.iloc[members[0]]
         if len(members) == 1:
             hint = f"{names[gait]}, support {grounds.rows(first['support'])}"
+            if within is not None:
+                low, high = within[members[0]]
+                hint += f", 95 % interval {low:.2f} to {high:.2f}"
         else:
             hint = f"{names[gait]} in {int((best[members] == gait).sum())} of {len(members)} coordinates"
         place = f"{length(first['distance'])}, {true_minus(degrees(first['angle']))}"
-        parts.append(sector(window, reach, angle, colours[gait], f"{place}: {hint}"))
+        sure = 1.0 if within is None else 1.0 - float(np.mean([within[m][1] - within[m][0] for m in members]))
+        look = {"fill_opacity": f"{0.15 + 0.85 * sure:.2f}", "stroke": svg.FAINT, "stroke_width": 0.6}
+        parts.append(sector(window, reach, angle, colours[gait], f"{place}: {hint}", **look))
     parts += [window.robot(0, 0, math.pi / 2, svg.INK, "robot", 8), window.ruler()]
     return svg.drawing(window.width, window.height, *parts, label="Most probable gait of every learned coordinate")
+
+
+def _within(inverse: InverseModel, table: Any, best: np.ndarray) -> list[tuple[float, float]] | None:
+    """The 95 % interval of each coordinate's best gait; None where nobody knows the counts."""
+    if not inverse.model.has_counts:
+        return None
+    found = []
+    for place, gait in zip(table[["distance", "angle"]].to_numpy(dtype=float), best.tolist(), strict=True):
+        ends = inverse.posterior(float(place[0]), float(place[1])).interval()[["low", "high"]].to_numpy()[gait]
+        found.append((float(ends[0]), float(ends[1])))
+    return found
 
 
 def _sectors(bins: np.ndarray, most: int) -> Iterator[tuple[Sequence[int], Sequence[int], np.ndarray]]:

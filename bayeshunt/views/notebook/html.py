@@ -68,10 +68,10 @@ def table(
     return tag("div", tag("table", head, tag("tbody", *rows), class_=class_), class_="bh-scroll", tabindex="0", **place)
 
 
-def row(name: Any, cells: Iterable[Any], *, lit: bool = False) -> Html:
-    """Return a table row: a header cell, then plain cells (``<td>`` elements are kept)."""
+def row(name: Any, cells: Iterable[Any], *, lit: bool = False, class_: str | None = None) -> Html:
+    """Return a table row: a header cell, then plain cells (``<td>`` elements are kept); it may stand out."""
     plain = (c if isinstance(c, Html) and c.startswith("<td") else tag("td", c) for c in cells)
-    return tag("tr", tag("th", name, scope="row"), *plain, class_="bh-lit" if lit else None)
+    return tag("tr", tag("th", name, scope="row"), *plain, class_="bh-lit" if lit else class_)
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -19,6 +19,8 @@ from bayeshunt.views.terminal.text_tables import clean
 
 #: Of a longer table only the likeliest bins are shown.
 MOST_ROWS = 200
+#: A table of no more bins is seen at once, without strips above it.
+_FEW_BINS = 12
 _MOST_PRINTED = 60  # rows of a table in text
 #: Nor more cells than a browser shows at once, some 2 MB of page.
 _MOST_CELLS = 12_000
@@ -63,12 +65,13 @@ def heat_table(shown: ProbabilityTable) -> Html:
     top = max(float(values.max()), 1e-300)
     group = _group(shown)
     rows = []
+    empty = _empty(values, behind) if len(values) > _FEW_BINS else np.zeros(len(values), dtype=bool)
     for i in kept:
         cells = [
             _cell(shown, (true_minus(labels[i]), columns[j]), values[i, j], [a[i, j] for a in behind], top, group)
             for j in range(len(columns))
         ]
-        rows.append(row(true_minus(labels[i]), cells))
+        rows.append(row(true_minus(labels[i]), cells, class_="bh-none" if empty[i] else None))
     shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")][: len(behind) // 2]
     switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
@@ -76,8 +79,34 @@ def heat_table(shown: ProbabilityTable) -> Html:
     behind_it = ("probability", "count", "count and interval")[len(behind) // 2]
     hint = f"Point at a cell for its {behind_it}; a click keeps it, Tab and the arrow keys go from cell to cell."
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
+    strips = _strips(values, columns) if len(values) > _FEW_BINS else None
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
-    return tag("div", *switches, body, note, class_="bh-table")
+    return tag("div", strips, *switches, body, note, class_="bh-table")
+
+
+def _empty(values: np.ndarray, behind: list[np.ndarray]) -> np.ndarray:
+    """Whether no row fell into each bin; where nobody counted, whether none ever could."""
+    empty: np.ndarray = (behind[0] if behind else values).sum(axis=1) == 0
+    return empty
+
+
+def _strips(values: np.ndarray, columns: list[str]) -> Html:
+    """Every column as a strip over all bins: where it has its weight, seen at once."""
+    bins, high, names = len(values), 14, min(len(columns), 40)
+    wide, left = 420.0 / bins, 118
+    parts: list[Html] = []
+    for j in range(names):
+        parts.append(svg.text(left - 6, j * high + 10, svg.shorten(str(columns[j]), 17), anchor="end", faint=True))
+        parts.append(svg.box(left, j * high, bins * wide, high - 2, fill=svg.PANEL))
+        top = max(float(values[:, j].max()), 1e-300)
+        for i in np.flatnonzero(values[:, j] > 0.02 * top).tolist():
+            strong = f"{0.2 + 0.8 * float(values[i, j]) / top:.2f}"
+            parts.append(
+                svg.box(left + i * wide, j * high, max(wide, 1.0), high - 2, fill=svg.BAR, fill_opacity=strong)
+            )
+    return svg.drawing(
+        left + bins * wide, names * high, *parts, label="Where each column has its weight, over all bins"
+    )
 
 
 def _states(shown: ProbabilityTable) -> list[str]:
