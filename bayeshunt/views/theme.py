@@ -110,6 +110,7 @@ _RULES = """
 .bh .bh-track{width:220px}
 .bh .bh-scale{position:relative;min-height:12px}
 .bh .bh-whisker{position:absolute;top:5px;height:2px;min-width:2px;background:currentColor}
+.bh .bh-tornado{display:inline-flex;flex-wrap:wrap;gap:2px 10px;align-items:center;vertical-align:middle}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}

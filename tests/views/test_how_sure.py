@@ -60,3 +60,24 @@ def test_query_shows_it_and_gives_it_as_json(model, answer, tmp_path):
         assert facts["interval"][end] == pytest.approx(found[end].to_dict())
     imported = json.loads(CliRunner().invoke(app, ["query", str(tmp_path / "m.xmlbif"), *asked, "--json"]).output)
     assert imported["interval"] is None
+
+
+def test_the_cell_that_matters_most_is_drawn_first_and_opens_its_rows(khepera_frame):
+    model = bh.ForwardModel.fit(khepera_frame, bh.load_robot("khepera").gaits, 0.1)
+    answer = next(
+        found
+        for d, a in model.learned_cells.tolist()
+        if (found := bh.InverseModel(model).posterior(model.axes.distance.centres[d], model.axes.angle.centres[a]))
+        and found.sensitivity()["effect"].iloc[0] > 0.01
+        and found.sensitivity()["count"].iloc[0] > 0
+    )
+    html = answer._repr_html_()
+    first = answer.sensitivity().iloc[0]
+    part = html.split("Which cell matters most")[1]
+    ends = sorted((first["best_at_low"], first["best_at_high"]))
+    assert f"{ends[0]:.3f} to {ends[1]:.3f}, {first['count']} rows" in part.split("</summary>")[1]
+    gait = first["given"].removeprefix("Gait = ")
+    rows = model.rows(first["variable"], first["state"], gait)
+    assert f">{rows.index[0]}</th>" in part.split("</details>")[0]
+    assert f"Where P({answer.best}) comes from" in html
+    assert bh.trace(answer).formula.split(" = ")[1][:8] in html.split("comes from")[1]

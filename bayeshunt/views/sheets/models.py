@@ -12,13 +12,16 @@ import pandas as pd
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.errors import ZeroCountError
 from bayeshunt.core.units import degrees, length
+from bayeshunt.episodes.tracing import trace_answer
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.views import grounds
 from bayeshunt.views.drawings import maps, network
-from bayeshunt.views.notebook.html import number
+from bayeshunt.views.drawings.tornado import tornado
+from bayeshunt.views.notebook.html import Html, join, number, tag
+from bayeshunt.views.sheets import tracing
 from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Printed, Sheet, Table
 from bayeshunt.views.sheets.tables import heat_table
 
@@ -165,8 +168,17 @@ def posterior(answer: Posterior) -> Sheet:
         if len(shares) > 1
         else None,
         Drawn(lambda: network.network(answer.model, answer), title="The network given this evidence"),
+        Drawn(lambda: tornado(answer), title="Which cell matters most") if found is not None else None,
+        Drawn(lambda: _opened(answer), title=f"Where P({answer.best}) comes from") if found is not None else None,
     ]
     return Sheet(f"P(Gait | {', '.join(answer.evidence)})", f"most probable: {answer.best}", pairs, parts)
+
+
+def _opened(answer: Posterior) -> Html:
+    """The formula with its numbers, and the cells with their counts."""
+    opened = tracing.trace(trace_answer(answer))
+    formula = tag("div", *(str(value) for _, value in opened.pairs))
+    return join([formula, *(part.html() for part in opened.parts if part is not None)])
 
 
 def _explanation(answer: Posterior) -> Table:
