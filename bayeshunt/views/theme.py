@@ -111,6 +111,10 @@ _RULES = """
 .bh .bh-scale{position:relative;min-height:12px}
 .bh .bh-whisker{position:absolute;top:5px;height:2px;min-width:2px;background:currentColor}
 .bh .bh-tornado{display:inline-flex;flex-wrap:wrap;gap:2px 10px;align-items:center;vertical-align:middle}
+.bh .bh-wide{overflow-x:auto;background:
+ linear-gradient(to left,var(--bh-paper),transparent 24px) right/24px 100% no-repeat local,
+ linear-gradient(to left,var(--bh-wall),transparent 10px) right/10px 100% no-repeat scroll}
+@media(max-width:520px){.bh .bh-wide svg{max-width:none;width:690px}}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}

@@ -68,7 +68,9 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
                 parts.append(svg.arrow(_LEFT + 4, middle, _RIGHT - 4, y + _NODE[1] / 2))
         parts += [_link(EFFECTS.index(p), place, first) for p in model.structure.parents(effect) if p in EFFECTS]
         parts.append(_effect_node(model.axes[effect], shares[effect], seen.get(effect), y))
-    return svg.drawing(_WIDTH, height, *parts, label=f"{grounds.description(model)}; bars are probabilities")
+    drawn = svg.drawing(_WIDTH, height, *parts, label=f"{grounds.description(model)}; bars are probabilities")
+    # On a phone it keeps a size that can be read, and scrolls.
+    return tag("div", drawn, class_="bh-wide", tabindex="0", role="group", aria_label="the network, scrolls on a phone")
 
 
 def _link(parent: int, child: int, first: float) -> Html:
