@@ -53,7 +53,7 @@ def test_the_replay_has_the_belief_in_step(episode):
     first = np.hypot(*(np.array(data["steps"][0]["belief"]["sighted"][0]) - data["trail"]["prey"][0][:2]))
     assert first < 0.05  # shown where it was
     page = replay_html(episode)
-    kept = json.loads(re.search(r'id="hunt">(.*?)</script>', page, re.DOTALL)[1])
+    kept = json.loads(re.search(r'type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)[1])
     assert kept["steps"][0]["belief"] == data["steps"][0]["belief"]
 
 
