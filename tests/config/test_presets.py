@@ -7,7 +7,17 @@ from bayeshunt.config.loading import preset_names
 
 
 def test_what_ships():
-    assert preset_names() == ["clutter", "detour", "follow", "legs", "oses2010", "paper", "portia", "slippery"]
+    assert preset_names() == [
+        "clutter",
+        "detour",
+        "follow",
+        "legs",
+        "legs_camera",
+        "oses2010",
+        "paper",
+        "portia",
+        "slippery",
+    ]
     robots = {bh.load_experiment(name).robot.name for name in preset_names()}
     assert robots == {"follower", "khepera", "khepera_oses2010", "hexapod_mixed"}
 
