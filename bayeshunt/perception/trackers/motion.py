@@ -16,7 +16,7 @@ __all__ = ["PreyMotion"]
 #: Width of the bins in which turns are counted [rad].
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
-_REBOUND_SPREAD, _MEETING_SPREAD = 0.32, 0.33
+_REBOUND_SPREAD, _MEETING_SPREAD = 0.4, 0.35
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
 #: How many time-steps the first guess at the share of standing still is worth.
