@@ -19,6 +19,7 @@ from bayeshunt.cli.options import (
     Preset,
     Seed,
     check_names,
+    complete_arena,
     complete_planner,
     load_or_learn,
     read_experiment,
@@ -32,7 +33,9 @@ def hunt(
     planner: Annotated[
         str, typer.Option(help="Planner; bayeshunt planners lists them.", autocompletion=complete_planner)
     ] = "planning",
-    arena: Annotated[str, typer.Option(help="Arena of the settings, e.g. walled, open.")] = "open",
+    arena: Annotated[
+        str, typer.Option(help="Arena of the settings, e.g. walled, open.", autocompletion=complete_arena)
+    ] = "open",
     theta: Annotated[float, typer.Option(help="First bearing of the prey [rad, clockwise].")] = 1.0,
     seed: Seed = 0,
     prey: Annotated[

@@ -12,7 +12,7 @@ import typer
 
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, complete_structure, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import InputError
@@ -85,7 +85,8 @@ def fit(
         str,
         typer.Option(
             help="naive (the paper), tan, joint, previous_gait or learned: what depends on what; see assess. Or one of "
-            "your own, 'NAME: Gait->Distance, Gait->Angle, Gait->Heading, Angle->Heading'."
+            "your own, 'NAME: Gait->Distance, Gait->Angle, Gait->Heading, Angle->Heading'.",
+            autocompletion=complete_structure,
         ),
     ] = "naive",
     backoff: Annotated[

@@ -28,12 +28,37 @@ def complete_robot(incomplete: str) -> list[str]:
     return [name for name in preset_names("robots") if name.startswith(incomplete)]
 
 
+def complete_preset(incomplete: str) -> list[str]:
+    """Return the experiments that ship and that a word on the command line may become."""
+    from bayeshunt.config.loading import preset_names
+
+    return [name for name in preset_names() if name.startswith(incomplete)]
+
+
+def complete_arena(incomplete: str) -> list[str]:
+    """Return the arenas of the experiments that ship that a word on the command line may become."""
+    from bayeshunt.config.loading import load_experiment, preset_names
+
+    arenas = dict.fromkeys(arena for preset in preset_names() for arena in load_experiment(preset).arenas)
+    return [name for name in arenas if name.startswith(incomplete)]
+
+
+def complete_structure(incomplete: str) -> list[str]:
+    """Return the structures that ship and that a word on the command line may become."""
+    from bayeshunt.models.tables.structures import STRUCTURES
+
+    return [name for name in STRUCTURES if name.startswith(incomplete)]
+
+
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for machines instead of text.")]
 Seed = Annotated[int, typer.Option(help="One seed, one result, bit for bit.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar.")]
 Preset = Annotated[
     str | None,
-    typer.Option(help="Experiment settings that ship, by name (default: oses2010; with --model: those of its robot)."),
+    typer.Option(
+        help="Experiment settings that ship, by name (default: oses2010; with --model: those of its robot).",
+        autocompletion=complete_preset,
+    ),
 ]
 Config = Annotated[
     Path | None,
@@ -46,7 +71,9 @@ Overrides = Annotated[
 Planners = Annotated[
     list[str] | None, typer.Option(help="Planner; may be given several times.", autocompletion=complete_planner)
 ]
-Arenas = Annotated[list[str] | None, typer.Option(help="Arena; may be given several times.")]
+Arenas = Annotated[
+    list[str] | None, typer.Option(help="Arena; may be given several times.", autocompletion=complete_arena)
+]
 Runs = Annotated[int | None, typer.Option(help="Runs per bearing; the settings' by default.")]
 Jobs = Annotated[int, typer.Option(help="Worker processes; -1 for one per core.")]
 Model = Annotated[

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.config.schema.mujoco import MujocoGait, MujocoSettings
-from bayeshunt.core.errors import ConfigError
+from bayeshunt.core.errors import ConfigError, did_you_mean
 
 __all__ = ["describe", "keys_at"]
 
@@ -23,7 +23,8 @@ def describe(kind: str) -> list[dict[str, Any]]:
     """
     kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
     if kind not in kinds:
-        raise ConfigError(f"unknown kind of settings {kind!r}; expected experiment or robot")
+        near = did_you_mean(kind, kinds, listed=False) or "; expected experiment or robot"
+        raise ConfigError(f"unknown kind of settings {kind!r}{near}")
     keys = list(_describe(kinds[kind], ""))
     for prefix, drive in _LEGS if kind == "robot" else ():
         known = {key["key"] for key in keys}

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import pandas as pd
 
 from bayeshunt.core.arguments import checked_but
-from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.data.text_tables import read_bytes
 
 __all__ = ["Found", "TrackReader", "find_reader", "reader_names", "register_reader"]
@@ -86,7 +86,7 @@ def find_reader(path: str | os.PathLike[str], name: str | None = None) -> TrackR
     """Return the reader called ``name``, or the first that accepts the file; DataError if none does."""
     if name is not None:
         if name not in _READERS:
-            raise InputError(f"unknown reader {name!r}: expected one of {', '.join(reader_names())}")
+            raise InputError(f"unknown reader {name!r}{did_you_mean(name, reader_names())}")
         return _made(name)
     head = read_bytes(path, "a file of tracks")[:4096]
     for known in reader_names():

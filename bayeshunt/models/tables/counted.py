@@ -25,7 +25,7 @@ import pandas as pd
 from bayeshunt.core import statistics
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.core.checks import check_pseudo_count
-from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.models.counting.backoff import PRIOR, check_strength, leaning_poses, leaning_table
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts, previous_codes
@@ -322,7 +322,7 @@ def shares(tables: CountedTables | ContextTables) -> dict[str, np.ndarray]:
 def check_settings(prior: Any, gait_prior: Any) -> float:
     """Return the prior as a float; raises InputError for a prior or gait prior out of range."""
     if gait_prior not in GAIT_PRIORS:
-        raise InputError(f"gait_prior is {gait_prior!r}; expected one of {', '.join(GAIT_PRIORS)}")
+        raise InputError(f"gait_prior is {gait_prior!r}{did_you_mean(gait_prior, GAIT_PRIORS)}")
     return check_pseudo_count(prior, "prior")
 
 
