@@ -1,0 +1,51 @@
+"""The package as it is let out: one version everywhere, bounds that are tried, notices of what ships."""
+
+import re
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def release(version: str) -> tuple[int, ...]:
+    """A version as numbers, without zeros at its end."""
+    numbers = [int(part) for part in version.split(".")]
+    while numbers and numbers[-1] == 0:
+        numbers.pop()
+    return tuple(numbers)
+
+
+def test_one_version_everywhere():
+    version = PROJECT["version"]
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(r"^## (\d+\.\d+\.\d+)", changelog, re.MULTILINE)[1] == version
+    assert f"version: {version}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_the_oldest_dependencies_that_are_tried_are_the_lower_bounds():
+    lines = (ROOT / ".ci" / "oldest.txt").read_text(encoding="utf-8").splitlines()
+    pinned = dict(line.split("==") for line in lines if not line.startswith("#"))
+    bounds = dict(re.match(r"([\w-]+)>=([\d.]+)", needed).groups() for needed in PROJECT["dependencies"])
+    assert pinned.keys() == bounds.keys()
+    for name, bound in bounds.items():
+        assert release(pinned[name]) == release(bound), name
+
+
+def test_every_python_that_is_named_may_install_it():
+    named = {line.rsplit(" ", 1)[1] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)}
+    assert named == {"3.11", "3.12", "3.13"}
+    assert PROJECT["requires-python"] == ">=3.11,<3.14"
+
+
+def test_no_address_stands_in_the_metadata():
+    assert not re.search(r"https?://", str({key: value for key, value in PROJECT.items() if key != "readme"}))
+
+
+def test_every_recording_that_ships_has_its_licence():
+    said = (ROOT / "data" / "README.md").read_text(encoding="utf-8")
+    for path in (ROOT / "data").iterdir():
+        if path.name != "README.md":
+            assert f"`{path.name}`" in said, path.name
+    assert "CC BY 4.0" in said
+    assert "Redistribution and use in source and binary forms" in said
