@@ -55,6 +55,14 @@ def test_opens_with_a_question_and_a_figure(path: Path) -> None:
     assert "figures." in second.source or "plt." in second.source
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS[:7], ids=lambda p: p.stem[:2])
+def test_ends_with_three_tries_and_what_to_expect(path: Path) -> None:
+    last = nbformat.read(path, as_version=4).cells[-1].source.split("## Try")[1]
+    assert last.count("\n* ") == 3
+    assert last.count("*Expect*") == 3
+    assert "**Next:** notebook" in last
+
+
 @each_notebook
 def test_uses_the_public_interface_only(path: Path) -> None:
     import bayeshunt
