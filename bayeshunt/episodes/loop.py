@@ -22,7 +22,7 @@ from bayeshunt.episodes.recorder import Step
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
 from bayeshunt.planners.asking import ask, check_can_plan, check_robot
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
-from bayeshunt.planners.registry import check_sections, foresight_of
+from bayeshunt.planners.registry import check_sections, foresight_of, info_of
 
 __all__ = ["Result", "hunt", "run_hunt"]
 
@@ -89,7 +89,14 @@ def _begin(
 ) -> Pursuit:
     check_can_plan(planner, named=False)  # an evaluation knows it by the name it is registered under
     running = Pursuit(
-        settings, arena, theta, seed, prey_model=prey_model, foresight=foresight_of(planner), known=known_to(planner)
+        settings,
+        arena,
+        theta,
+        seed,
+        prey_model=prey_model,
+        foresight=foresight_of(planner),
+        known=known_to(planner),
+        told=not info_of(planner).ab_initio,
     )
     check_robot(planner, running.gaits, settings.robot.name)
     return running

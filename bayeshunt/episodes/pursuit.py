@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from bayeshunt.config.loading import load_experiment
@@ -26,6 +27,7 @@ from bayeshunt.models.target.registry import make_prey_model
 from bayeshunt.perception.registry import make_sensor, make_tracker
 from bayeshunt.perception.setting import PerceptionContext
 from bayeshunt.planners.api import Future, Situation
+from bayeshunt.worlds.maps import ForBody
 from bayeshunt.worlds.scene import HUNTER, PREY
 
 __all__ = ["Pursuit", "Result"]
@@ -58,6 +60,8 @@ class Pursuit:
     prey_model: what is known of the prey beforehand (it is copied). foresight: seconds of the prey's true future that
     a situation holds; 0: none. known: what the tracker may know of the prey and of walls from the first look on.
 
+    told: whether a situation holds the true map, where obstacles stand; for yardsticks.
+
     gaits: the hunter's repertoire. rng: what a planner draws from. moments: what the last step did, one at the end of
     each control interval. prey_model, observed: see :class:`~bayeshunt.episodes.perceiver.Perceiver`.
 
@@ -67,7 +71,7 @@ class Pursuit:
     def __init__(
         self, experiment: str | os.PathLike[str] | ExperimentSettings, arena: str = "walled", theta: float = 1.0,
         seed: int = 0, *, prey_model: TargetModel | None = None, foresight: float = 0.0,
-        known: Knowledge = NOTHING,
+        known: Knowledge = NOTHING, told: bool = False,
     ) -> None:  # fmt: skip
         settings = load_experiment(experiment)
         _check(settings, arena, theta, seed, prey_model)
@@ -91,6 +95,9 @@ class Pursuit:
         self._perceiver = Perceiver(
             self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=camera_of(sensing)
         )
+        among = settings.arenas[arena].obstacles
+        radius = 0.5 * settings.robot.body.diameter
+        self._told = ForBody(self.trial.world.map, self.trial.start, radius) if told and among else None
         self._run = Run((self.trial.moment,))
         self._situation: Situation | None = None
         self._changes = 0
@@ -103,6 +110,8 @@ class Pursuit:
             seen = self._sensor.sense(self._run, trial.world.map, rng=self._sensor_rng)
             future = Future(*trial.future(self._foresight)) if self._foresight else None
             self._situation = self._perceiver.consider(seen, future)
+            if self._told is not None:
+                self._situation = replace(self._situation, map=self._told)
         return self._situation
 
     def step(self, gait: str | int | Gait, prey: Gait | None = None, *, nodes: int = 0) -> None:

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.config.schema import ArenaSettings, ObstacleSettings
+from bayeshunt.core.geometry import Pose
 from bayeshunt.core.messages import Ray
 from bayeshunt.core.protocols import Map
 
-__all__ = ["Obstructed", "OpenMap", "Rectangle", "map_of"]
+__all__ = ["ForBody", "Obstructed", "OpenMap", "Rectangle", "map_of"]
 
 
 class OpenMap:
@@ -78,6 +79,32 @@ class Obstructed:
 
         line = shapely.LineString([(ray.x, ray.y), (ray.to_x, ray.to_y)])
         return self.ground.blocked(ray) or bool(shapely.intersects(self.solid, line))
+
+
+@dataclass(frozen=True)
+class ForBody:
+    """A map for the centre of a body of ``radius`` [m], in the frame in which it started at ``start``."""
+
+    ground: Map
+    start: Pose
+    radius: float
+
+    def free(self, x: Any, y: Any) -> Any:
+        """Whether the body's centre can be at a point: bool, or an array of them; asked at twelve of its edge."""
+        at_x, at_y = self._placed(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        clear = np.asarray(self.ground.free(at_x, at_y))
+        for turn in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False):
+            clear = clear & self.ground.free(at_x + self.radius * np.cos(turn), at_y + self.radius * np.sin(turn))
+        return clear if np.ndim(clear) else bool(clear)
+
+    def blocked(self, ray: Ray) -> bool:
+        """Whether something stands in the way of the straight line."""
+        begin, end = self._placed(ray.x, ray.y), self._placed(ray.to_x, ray.to_y)
+        return self.ground.blocked(Ray(*begin, *end))
+
+    def _placed(self, x: Any, y: Any) -> tuple[Any, Any]:
+        cos, sin = np.cos(self.start.theta), np.sin(self.start.theta)
+        return self.start.x + cos * x - sin * y, self.start.y + sin * x + cos * y
 
 
 def map_of(arena: ArenaSettings) -> Map:

@@ -11,9 +11,10 @@ from bayeshunt.config.schema import ArenaSettings, ObstacleSettings, PhysicsSett
 from bayeshunt.core.errors import ConfigError
 from bayeshunt.core.geometry import Pose
 from bayeshunt.core.messages import Ray
+from bayeshunt.planners.api import Situation
 from bayeshunt.worlds.box2d.world import build_obstacles, new_world
 from bayeshunt.worlds.foresight import foresee
-from bayeshunt.worlds.maps import map_of
+from bayeshunt.worlds.maps import ForBody, map_of
 from bayeshunt.worlds.prey.proximity import MAX_VALUE, Solid, proximity
 from tests.worlds.test_sensors import UNIT, cast
 from tests.worlds.trial_cases import Trial
@@ -151,3 +152,33 @@ def test_a_hunt_among_obstacles_is_one_to_look_at(paper, khepera_model):
     from bayeshunt.views.pages.replay import replay_data
 
     assert [len(outline) for outline in replay_data(episode)["obstacles"]] == [4, 64]
+
+
+def test_a_map_for_a_body_in_the_frame_of_its_start():
+    """The barrier is 0.16 to 0.19 m ahead of the centre; the hunter starts 0.1 m before it, facing left."""
+    seen = ForBody(map_of(ArenaSettings(obstacles=(BARRIER,))), Pose(0.06, 0.0, math.pi / 2), 0.0285)
+    assert seen.free([0.0, 0.0, 0.0], [0.0, -0.08, -0.2]).tolist() == [True, False, True]  # y is to the left
+    assert seen.free(0.0, -0.07) is True  # 1.5 mm of room
+    assert seen.blocked(Ray(0.0, 0.0, 0.0, -0.2))
+    assert not seen.blocked(Ray(0.0, 0.0, 0.3, 0.0))
+
+
+def test_yardsticks_are_told_of_obstacles_and_nobody_else_is(paper, khepera_model):
+    settings = load_experiment("detour")
+    for name, told in (("omniscient", True), ("detour", False)):
+        episode = bh.hunt(settings, bh.make_planner(name, khepera_model), arena="barrier", theta=0.0, seed=5)
+        assert all((situation.map is not None) == told for situation in episode.situations)
+        assert episode.caught == told  # a detour without a map runs at the barrier
+    free = bh.hunt(paper, bh.make_planner("omniscient", khepera_model), arena="walled", theta=0.0, seed=5)
+    assert all(situation.map is None for situation in free.situations)
+
+
+def test_the_reference_takes_no_gait_into_an_obstacle(khepera_model):
+    table = bh.reference("detour", samples=2, angles=12, headings=12)
+    planner = bh.make_planner("reference", khepera_model, table=table)
+    episode = bh.hunt("detour", planner, arena="barrier", theta=0.0, seed=5)
+    first = planner.plan(episode.situations[0], rng=np.random.default_rng(0))
+    assert first.gait != "straight"
+    assert first.value < 1e3  # free, and no second-best of blocked ones
+    blind = Situation(**{**vars(episode.situations[0]), "map": None})
+    assert planner.plan(blind, rng=np.random.default_rng(0)).gait == "straight"

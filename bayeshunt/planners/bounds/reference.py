@@ -15,13 +15,15 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError, ModelFileError
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.protocols import Map
 from bayeshunt.files.atomic import check_source, replace_atomically
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation
 from bayeshunt.planners.bounds.relative import Chase, Grid, expected_times
 from bayeshunt.planners.info import PlannerInfo
+from bayeshunt.planners.interception.lookahead import gait_paths
 from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import File, planner_settings, setting
 
@@ -29,6 +31,8 @@ __all__ = ["FORMAT", "Reference", "ReferenceSettings", "ReferenceTable"]
 
 FORMAT = 1
 _MAKER = "bayeshunt reference"
+#: Seconds that a gait counts for more that runs into an obstacle.
+_STOPPED = 1e6
 _ARRAYS = ("values", "distances", "hunter", "prey")
 
 
@@ -115,7 +119,8 @@ class Reference(Shown):
     """A yardstick: the gait of least expected time to capture, were the prey to go straight on.
 
     Its table is computed beforehand from babbling and from the prey's true speed and noise, so its row is not
-    learned within the run. Against a prey that turns at walls it is no bound. ``rng`` is not used.
+    learned within the run. Against a prey that turns at walls it is no bound. Among obstacles it
+    is told of them, and takes no gait that runs into one; it does not look for a way round. ``rng`` is not used.
     """
 
     name = "reference"
@@ -130,6 +135,7 @@ class Reference(Shown):
         self.table = table if isinstance(table, ReferenceTable) else ReferenceTable.load(table)  # type: ignore[arg-type]
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
+        self.paths = gait_paths(model)
         if self.table.gaits != self.gaits:
             raise InputError(
                 f"reference: the table's gaits ({', '.join(self.table.gaits)}) are not the model's; make it again"
@@ -147,12 +153,23 @@ class Reference(Shown):
                 f"reference: the table is for a catch at {reach:g} m, this hunt's is at {asked:g} m; make it again"
             )
 
+    def _stopped(self, ground: object, pose: Pose) -> np.ndarray:
+        """Return which gaits run into something, bool [G]."""
+        assert isinstance(ground, Map)
+        forward, right, _ = np.moveaxis(self.paths, -1, 0)  # [G, P]
+        cos, sin = np.cos(pose.theta), np.sin(pose.theta)
+        free = ground.free(pose.x + cos * forward + sin * right, pose.y + sin * forward - cos * right)
+        stopped: np.ndarray = np.logical_not(np.asarray(free)).any(axis=1)
+        return stopped
+
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait of least expected time to capture."""
         situation = check_request(situation, rng, self.hunter)
         self._check_task(situation)
         table, state = self.table, np.array([float(part) for part in situation.prey])
         times = expected_times(table.chase, table.grid, table.values, state)
+        if situation.map is not None and situation.pose is not None:
+            times = times + np.where(self._stopped(situation.map, situation.pose), _STOPPED, 0.0)
         best = int(np.argmin(times))
         return Plan(
             gait=self.gaits[best],

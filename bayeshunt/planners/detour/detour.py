@@ -44,11 +44,12 @@ class DetourPlanner(InterceptWallsPlanner):
     The map is the table of free space (:class:`~bayeshunt.models.arena.free_space.FreeSpace`) that the hunter counts
     while it babbles alone in the arena, as it learns the walls: an evaluation and ``bayeshunt hunt`` do so first.
 
-    1. Straight: the gaits of the interception lead over free cells, and so does the straight line from their end to
-       where the prey then is. Then it is that interception.
-    2. Round: every pair of gaits is followed along its part-way points. ``P(not stopped)`` is the least P(free) so
-       far. Beyond the pair the hunter takes the geodesic, the shortest way over the table with metres divided by
-       P(free), to where the prey will be. The pair of the least expected time is chosen.
+    Straight: if the gaits of the interception lead over free cells, and so does the straight line from their end to
+    where the prey then is, it is that interception.
+
+    Round: else every pair of gaits is followed along its part-way points. ``P(not stopped)`` is the least P(free) so
+    far. Beyond the pair the hunter takes the geodesic, the shortest way over the table with metres divided by P(free),
+    to where the prey will be. The pair of the least expected time is chosen.
 
     With a map it needs to know where it is: ``situation.pose``. Without one it is the interception hunter.
     ``rng`` is not used. Reference: geodesic distances by Dijkstra's algorithm (E. W. Dijkstra, Numerische Mathematik
