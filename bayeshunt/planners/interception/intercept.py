@@ -40,9 +40,6 @@ class InterceptSettings(TurningSettings):
     """Settings of the interception hunter, and the belief about rooms before anything is seen."""
 
     name: ClassVar[str] = "intercept"
-    hazard: Number = setting(
-        0.02, "chance per leg that the prey turns where there is no wall, believed beforehand; 0: never", ge=0, le=1
-    )
     room_chance: Number = setting(0.3, "probability that there is a room at all", ge=0, lt=1)
     nearest: Number = setting(4.5, _REACH, range="0 < nearest < farthest", gt=0)
     farthest: Number = setting(18.0, _REACH, range="0 < nearest < farthest", gt=0)

@@ -30,12 +30,6 @@ _WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 class RoomSettings(TurningSettings):
     """Settings of the interception hunter, the room it is in, and what a prey does at a wall."""
 
-    hazard: Number = setting(
-        0.02,
-        "as for the interception hunter; a known arena leaves little reason for a turn where there is no wall",
-        ge=0,
-        le=1,
-    )
     clearance: Number = setting(
         0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped, until seen", ge=0
     )

@@ -51,7 +51,10 @@ class TurningSettings:
         0.9, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
     )
     hazard: Number = setting(
-        0.1, "chance per leg that the prey turns, believed beforehand; 0: it never turns", ge=0, le=1
+        0.02,
+        "chance per leg that the prey turns for no reason known, believed beforehand; 0: it never turns",
+        ge=0,
+        le=1,
     )
     hazard_steps: Number = setting(4.0, "how many observed legs that belief is worth", gt=0)
     turn_weight: Number = setting(
