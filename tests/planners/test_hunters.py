@@ -76,3 +76,29 @@ def test_one_hunter_comes_near_both_bounds(learned, bound, arena, share):
     excess = ours - share * best
     assert excess.mean() <= 2.0 * standard_error(excess)
     assert ours.mean() <= (share + 0.05) * best.mean()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("preset", "changes", "arena", "name", "other", "slack"),
+    [
+        ("paper", {"robot.gait_duration": 0.416}, "walled", "intercept_walls", "planning", -3.0),
+        ("paper", {"robot.gait_duration": 0.416}, "open", "intercept", "planning", -1.0),
+        ("oses2010", {}, "walled", "intercept", "planning", 0.0),
+        ("oses2010", {}, "walled", "belief", "planning", 0.0),
+        ("paper", {"prey.behaviour": "straight"}, "walled", "intercept_walls", "intercept", 0.0),
+        ("paper", {"prey.behaviour": "evader"}, "walled", "intercept_walls", "intercept", 0.0),
+    ],
+)
+def test_planners_hold_in_worlds_that_they_were_not_chosen_in(preset, changes, arena, name, other, slack):
+    """Paired hunts: no more than ``slack`` seconds above a simpler planner, within two standard errors."""
+    settings = load_experiment(preset, changes)
+    model = learn_model(settings, SEED)
+    learned = settings, model, learn_rooms(settings, ["intercept_walls"], [arena], SEED, model)
+    given = [settings.planner.get(planner, {}) for planner in (name, other)]
+    (caught, times), (_, theirs) = (
+        hunts(learned, planner, arena, **chosen) for planner, chosen in zip((name, other), given, strict=True)
+    )
+    assert caught.mean() >= 0.95
+    excess = times - theirs - slack
+    assert excess.mean() <= 2.0 * standard_error(excess)
