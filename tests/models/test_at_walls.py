@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -17,20 +18,17 @@ def test_before_anything_is_seen_the_belief_stands():
 
 
 def test_what_is_seen_overrules_the_belief():
-    seen = BEFORE.met((0.9, 0.05)).met((1.1, 0.03)).met(None).clear(True).clear(False)
+    seen = replace(BEFORE, rebounds=(0.9, 1.1), clearances=(0.05, 0.03), kept=1, elsewhere=2, strays=1)
     assert seen.keeping == pytest.approx((1 + 0.2) / (3 + 1))
     assert seen.leaving == pytest.approx((0.5 + 0.9 + 1.1) / 3)
     assert seen.keeping_clear == pytest.approx((0.02 + 0.05 + 0.03) / 3)
     assert seen.hazard == pytest.approx(1 / (2 + 2))
-    assert BEFORE.keeping == 0.2  # a new one was returned
-    many = BEFORE
-    for _ in range(200):
-        many = many.met((1.2, 0.0))
+    many = replace(BEFORE, rebounds=(1.2,) * 200, clearances=(0.0,) * 200)
     assert (many.leaving, many.keeping) == pytest.approx((1.2, 0.0), abs=0.01)
 
 
 def test_the_table_shows_both():
-    table = BEFORE.met((0.9, 0.05)).met(None).clear(True).table()
+    table = replace(BEFORE, rebounds=(0.9,), clearances=(0.05,), kept=1, elsewhere=1, strays=1).table()
     assert table["probability"].tolist() == pytest.approx([1.8 / 3, 1.2 / 3, 1 / 3])
     assert table["before"].tolist() == pytest.approx([0.8, 0.2, 0.0])
     assert table["seen"].tolist() == [1, 1, 1]

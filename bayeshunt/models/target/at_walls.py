@@ -6,7 +6,7 @@ one that is clear of them tells whether it turns elsewhere. What is too close to
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import pandas as pd
 
@@ -18,7 +18,7 @@ __all__ = ["AtWalls"]
 
 @dataclass(frozen=True)
 class AtWalls:
-    """Counts of a prey's legs at walls and away from them; a value: :meth:`met` and :meth:`clear` return a new one.
+    """Counts of a prey's legs at walls and away from them; a value.
 
     rebound: radians between a wall and the prey that has turned away from it, believed beforehand. clearance: metres
         that its centre keeps from where a body of the hunter's size is stopped, believed beforehand.
@@ -47,20 +47,6 @@ class AtWalls:
         for name in ("prior", "straight"):
             if not getattr(self, name) > 0:
                 raise InputError(f"at walls: {name} must be a number > 0, got {getattr(self, name)!r}")
-
-    def met(self, turned: tuple[float, float] | None) -> AtWalls:
-        """Return the counts with one more leg at a wall.
-
-        turned: the angle to the wall at which it left [rad] and the clearance at which it had turned [m]; None: it
-            kept its heading.
-        """
-        if turned is None:
-            return replace(self, kept=self.kept + 1)
-        return replace(self, rebounds=(*self.rebounds, turned[0]), clearances=(*self.clearances, turned[1]))
-
-    def clear(self, turned: bool) -> AtWalls:
-        """Return the counts with one more leg clear of every wall, in which it turned or not."""
-        return replace(self, elsewhere=self.elsewhere + 1, strays=self.strays + turned)
 
     @property
     def keeping(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+from dataclasses import replace
 from typing import Any
 
 from bayeshunt.core.errors import InputError
@@ -85,7 +86,8 @@ class InterceptWallsPlanner(TurningPlanner):
         free = self.turning
         if not (self.settings.prior or situation.transitions):
             return free(situation)
-        known, habits = self.prey(situation), self.at_walls(situation)
+        known = self.prey(situation)
+        habits = self._at_walls(situation, known.speed)
         speed = known.speed / self.leg
         turned = room_futures(situation.prey, situation.pose, self._kept(habits), speed, known.drift, self.leg)
         if turned is None:
@@ -101,25 +103,34 @@ class InterceptWallsPlanner(TurningPlanner):
 
     def at_walls(self, situation: Situation) -> AtWalls:
         """Return what the prey has done at walls, and away from them, in this hunt; its ``table()`` opens it."""
+        return self._at_walls(situation, self.prey(situation).speed)
+
+    def _at_walls(self, situation: Situation, run: float) -> AtWalls:
+        """Count the legs seen so far; ``run``: metres of a leg of the prey that does not turn."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
         now = situation.pose.compose(situation.prey)
         legs = in_legs(situation.transitions, self.steps)
         poses = [*earlier_poses(now, legs), now]
-        habits, walls = self.habits, self._kept(self.habits)
-        run = self.prey(situation).speed
+        walls = self._kept(self.habits)
+        left: list[tuple[float, float]] = []
+        kept = elsewhere = strays = 0
         for leg, (before, after) in zip(legs, itertools.pairwise(poses), strict=True):
             wall, gap = walls.meet(before)
             turned = abs(leg.heading) >= self.prior.threshold
             if gap + _WELL_WITHIN * self.body < run:
-                habits = habits.met(self.walls.left(wall, before, after, run) if turned else None)
+                if turned:
+                    left.append(self.walls.left(wall, before, after, run))
+                kept += not turned
             elif gap > run + _WELL_CLEAR * self.body:
-                habits = habits.clear(turned)
+                elsewhere, strays = elsewhere + 1, strays + turned
         wall, _ = self.walls.meet(now)
         # It is on its way into a wall, and nearer than a prey that turns away would come.
-        if wall >= 0 and -self.walls.beyond(wall, now) < 0.5 * self.habits.clearance:
-            habits = habits.met(None)
-        return habits
+        kept += wall >= 0 and -self.walls.beyond(wall, now) < 0.5 * self.habits.clearance
+        rebounds, clearances = zip(*left, strict=True) if left else ((), ())
+        return replace(
+            self.habits, rebounds=rebounds, clearances=clearances, kept=kept, elsewhere=elsewhere, strays=strays
+        )
 
     def _kept(self, habits: AtWalls) -> Walls:
         """Return the walls as a prey that turns away from them keeps clear of them."""
