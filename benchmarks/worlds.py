@@ -38,7 +38,7 @@ from bayeshunt.experiments.protocol import hunt_seed
 from bayeshunt.experiments.scores import wilson_interval
 from benchmarks.hunters import BOTH, Row, prepared, table
 
-PLANNERS = ("prediction", "planning", "intercept", "belief", "intercept_room", "intercept_walls", "omniscient")
+PLANNERS = ("prediction", "planning", "intercept", "belief", "intercept_walls", "omniscient")
 #: Those that a planner of ours has to be no worse than.
 SIMPLER = ("reactive", "prediction", "planning", "constant_velocity")
 BOUNDS = ("omniscient", "reference", "kinematic_limit")
@@ -224,19 +224,20 @@ def draw(found: Sequence[Sequence[Score]], bounds: dict[str, str], path: Path) -
     from matplotlib import pyplot as plt
 
     names = [s.row.label for s in found[0] if s.row.planner not in BOUNDS]
-    figure, axes = plt.subplots(figsize=(7.5, 0.5 * len(found) + 1.4), layout="constrained")
-    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.9, len(names)))
+    figure, axes = plt.subplots(figsize=(7.5, 0.6 * len(found) + 1.4), layout="constrained")
+    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, len(names)))
     for place, scores in enumerate(found):
         limit = next((s for s in scores if s.row.planner == bounds[s.world]), None)
         if limit is None:
             continue
         axes.axhline(place, color="0.85", zorder=0)
-        for name, colour, marker in zip(names, colours, "vsoDP^Xd*<>h" * len(names), strict=False):
+        offsets = np.linspace(-0.28, 0.28, len(names)) if len(names) > 1 else [0.0]
+        for name, colour, marker, off in zip(names, colours, "vsoDP^Xd*<>h" * len(names), offsets, strict=False):
             score = next((s for s in scores if s.row.label == name), None)
             if score is not None:
                 gap, error = score.against(limit)
                 axes.errorbar(
-                    gap, place, xerr=1.96 * error, fmt=marker, color=colour, ms=6, capsize=2,
+                    gap, place + off, xerr=1.96 * error, fmt=marker, color=colour, ms=5, capsize=2,
                     label=name if place == 0 else None,
                 )  # fmt: skip
     axes.axvline(0.0, color="0.3", lw=1)
@@ -249,7 +250,7 @@ def draw(found: Sequence[Sequence[Score]], bounds: dict[str, str], path: Path) -
     axes.set_xlabel("mean time above the bound's, a miss counts the time limit [s]")
     figure.legend(loc="outside upper center", ncols=min(4, len(names)), frameon=False)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path)
+    figure.savefig(path, dpi=150)
     plt.close(figure)
 
 
@@ -271,7 +272,9 @@ def main() -> None:
     found: list[list[Score]] = []
     print(HEAD)
     for world in worlds:
-        names = given.planner or [*PLANNERS, *({world.bound} - set(PLANNERS))]
+        names = dict.fromkeys(
+            [*(given.planner or PLANNERS), *([world.bound] if given.figure or not given.planner else ())]
+        )
         for scores in measure(world, [Row(name) for name in names], given):
             found.append(scores)
             print("\n".join(lines(scores, world.bound)), flush=True)
