@@ -11,6 +11,7 @@ import pytest
 
 from bayeshunt.config.loading import load_experiment, load_robot
 from bayeshunt.planners.registry import planner_names
+from bayeshunt.views.terminal import terminal
 from bayeshunt.worlds.prey.behaviours import prey_names
 
 PLUGIN = '''
@@ -122,7 +123,8 @@ def test_names_complete_in_the_shell(line, found):
     assert set(done.stdout.split()) == found
 
 
-def test_defaults_are_said_as_a_settings_file_says_them(bayeshunt):
+def test_defaults_are_said_as_a_settings_file_says_them(bayeshunt, monkeypatch):
+    monkeypatch.setattr(terminal.out, "width", 200)  # or long keys fold what stands beside them
     out, _ = bayeshunt("settings")
     assert re.search(r"^prey\.senses_hunter +true or false +false ", out, re.MULTILINE)
     assert re.search(r"^robot\.gait\[\]\.left +number or none +none ", out, re.MULTILINE)
