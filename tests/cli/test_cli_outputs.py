@@ -17,13 +17,16 @@ COMMANDS = typer.main.get_command(app).commands
 #: Arguments that a command cannot do without; none of the files is there, which a command would see only later.
 NEEDED = {
     "fit": ["none.parquet"], "assess": ["none.parquet"], "replay": ["none.parquet"], "report": ["none"],
-    "export": ["none.json"], "query": ["none.json", "--distance", "1", "--angle", "1"], "status": ["none"],
+    "export": ["none.json"], "query": ["none.json", "--distance", "1", "--angle", "1"], "status": ["none"], "score": ["none.parquet"],
 }  # fmt: skip
 FILES = [("babble", "out"), ("fit", "out"), ("fit", "xmlbif"), ("assess", "out"), ("hunt", "out"), ("hunt", "replay"),
          ("replay", "out"), ("report", "out"), ("export", "xmlbif"), ("reference", "out"), ("remember", "out"),
-         ("explore", "out"), ("export", "page"), ("hunt", "video"), ("replay", "video")]  # fmt: skip
+         ("explore", "out"), ("export", "page"), ("hunt", "video"), ("replay", "video"), ("score", "out"),
+         ("explore", "drawn")]  # fmt: skip
 FOLDERS = [("evaluate", "out"), ("figures", "out"), ("sweep", "out"), ("tradeoff", "out"), ("export", "out"),
-           ("reference", "cache")]  # fmt: skip
+           ("reference", "cache"), ("assess", "csv")]  # fmt: skip
+#: Options that are called otherwise than in the code.
+FLAGS = {"drawn": "map"}
 #: A folder in which nobody can make a file, the administrator neither.
 NOBODYS = Path("/proc/sys")
 
@@ -40,7 +43,9 @@ def refused(bayeshunt, folder):
         required = [p.name for p in COMMANDS[command].params if p.required and p.param_type_name == "option"]
         others = [text for name in required if name not in (option, "distance", "angle")
                   for text in (f"--{name}", "other.out")]  # fmt: skip
-        out, err = bayeshunt(command, *NEEDED.get(command, []), *others, f"--{option}", str(target), status=2)
+        out, err = bayeshunt(
+            command, *NEEDED.get(command, []), *others, f"--{FLAGS.get(option, option)}", str(target), status=2
+        )
         assert not out
         assert err.count("\n") == 1
         assert sorted(folder.iterdir()) == before
@@ -87,6 +92,7 @@ ENDINGS = [
     ("reference", "out", "such tables are NPZ", ".npz", ".json"),
     ("remember", "out", "memories are JSON", ".json", ".npz"),
     ("explore", "out", "rooms are JSON", ".json", ".txt"),
+    ("score", "out", "tables of scores are CSV", ".csv", ".json"),
 ]
 
 
@@ -95,6 +101,7 @@ def test_the_list_of_endings_names_every_file():
         ("assess", "out"),
         ("hunt", "video"),
         ("replay", "video"),
+        ("explore", "drawn"),
     }
 
 

@@ -20,7 +20,10 @@ from bayeshunt.views.pages.report import report_facts, report_html, write_report
 
 PACKAGE = Path(bayeshunt.__file__).parent
 #: What the rooms below the experiments import and what changes no number: checks of settings, files, types.
-HARMLESS = {"pyarrow", "pydantic", "pydantic_core", "typing_extensions", "h5py", "rosbags"}
+HARMLESS = {"pyarrow", "pydantic", "pydantic_core", "typing_extensions", "h5py", "rosbags"} | {
+    "mujoco-core",
+    "mujoco-studio",  # which come with mujoco, in its version
+}
 
 
 def distributions_below_the_experiments():

@@ -83,7 +83,7 @@ def folder(tmp_path_factory, khepera_frame, khepera_model):
     babbling_table.save(khepera_frame, made / "b.parquet")
     khepera_model.save(made / "m.json")
     (made / "walkers").mkdir()
-    lines = [f"{walker},{0.4 * n:g},{1.2 * 0.4 * n:g},{walker}" for walker in (1, 2) for n in range(60)]
+    lines = [f"{walker},{0.4 * n:g},{1.2 * 0.4 * n:g},{walker}" for walker in (1, 2) for n in range(24)]
     (made / "walkers" / "street.csv").write_text("id,time,x,y\n" + "\n".join(lines))
     return made
 
@@ -107,7 +107,8 @@ COMMANDS = {
     "assess": ["assess", "b.parquet", "--folds", "2", "--permutations", "9", "--structure", "tan"],
     "explore": ["explore", "--out", "room.json", "--steps", "100"],
     "score": ["score", "b.parquet", "--model", "stays", "--model", "table", "--folds", "2", "-q"],
-    "routes": ["routes", "--explored", "30", "--maps", "1", "--runs", "1", "-q"],
+    "routes": ["routes", "--explored", "9", "--maps", "1", "--runs", "1",
+               "--set", "protocol.time_limit=6", "-q"],
     "prey follow": ["prey", "follow", "walkers", "--unit", "m", "--walkers", "1", "--model", "constant_velocity", "-q"],
 }  # fmt: skip
 NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]\d+)?%?")

@@ -24,8 +24,11 @@ from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.worlds.box2d.version import version as box2d_version
 
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
-LIBRARIES = ("bayeshunt", "box2d", "numpy", "pandas", "pgmpy", "pykalman", "scipy", "shapely")
+LIBRARIES = ("bayeshunt", "box2d", "mujoco", "numpy", "pandas", "pgmpy", "pykalman", "scipy", "shapely")
 _ABSENT = "not given"
+_MISSING = "not installed"
+#: Those that only some worlds need.
+_EXTRAS = ("mujoco",)
 
 #: Settings that change with the others: the words under a table, and the figures it is held against.
 _FOLLOWING = (".note", ".published")
@@ -106,8 +109,9 @@ class Identity:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the libraries that a result depends on."""
-    return {name: _version(name) for name in LIBRARIES}
+    """Return the versions of the libraries that a result depends on; an extra that is not installed has none."""
+    found = {name: _version(name) for name in LIBRARIES}
+    return {name: version for name, version in found.items() if name not in _EXTRAS or version != _MISSING}
 
 
 def fingerprint(model_text: str) -> str:
@@ -138,7 +142,7 @@ def _version(name: str) -> str:
     try:
         return version(name)
     except PackageNotFoundError:
-        return "not installed"
+        return _MISSING
 
 
 def _model_kind(identity: Identity) -> str:
