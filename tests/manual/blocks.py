@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import shlex
 from collections.abc import Callable, Iterator
@@ -62,7 +64,8 @@ def run_page(page: Path, folder: Path, bayeshunt: Callable[..., tuple[str, str]]
         if block.elsewhere:
             continue
         if block.kind == "python":
-            exec(compile(block.text, page.name, "exec"), names)
+            with contextlib.redirect_stdout(io.StringIO()):  # or the next command would seem to have printed it
+                exec(compile(block.text, page.name, "exec"), names)
             ran += 1
         elif block.kind == "toml" and (name := re.match(r"# (\S+\.toml)\n", block.text)):
             (folder / name[1]).write_text(block.text, encoding="utf-8")
