@@ -42,7 +42,7 @@ def read_log(
     offset: float = 0.0,
     reader: str | None = None,
 ) -> pd.DataFrame:
-    """Read a log: CSV of any separator, Parquet, or a ROS bag (``pip install "bayeshunt[ros]"``).
+    """Read a log: CSV of any separator, Parquet, or a ROS bag (``pip install ".[ros]"``).
 
     commands: a second file that holds the commands, with a clock of its own; offset: seconds to add to that clock.
         Each pose gets the last command before it.

@@ -17,7 +17,8 @@ COMMANDS = typer.main.get_command(app).commands
 #: Arguments that a command cannot do without; none of the files is there, which a command would see only later.
 NEEDED = {
     "fit": ["none.parquet"], "assess": ["none.parquet"], "replay": ["none.parquet"], "report": ["none"],
-    "export": ["none.json"], "query": ["none.json", "--distance", "1", "--angle", "1"], "status": ["none"], "score": ["none.parquet"],
+    "export": ["none.json"], "query": ["none.json", "--distance", "1", "--angle", "1"], "status": ["none"],
+    "score": ["none.parquet"],
 }  # fmt: skip
 FILES = [("babble", "out"), ("fit", "out"), ("fit", "xmlbif"), ("assess", "out"), ("hunt", "out"), ("hunt", "replay"),
          ("replay", "out"), ("report", "out"), ("export", "xmlbif"), ("reference", "out"), ("remember", "out"),

@@ -193,7 +193,7 @@ def test_what_cannot_be_is_said_in_one_line(puppy, tmp_path, monkeypatch):
 def test_without_mujoco_one_line_says_how_to_install_it(bayeshunt, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     _, err = bayeshunt("babble", "--robot", "puppy", "--steps", "5", "--out", str(tmp_path / "b.parquet"), status=2)
-    assert "pip install 'bayeshunt[mujoco]'" in err
+    assert "pip install '.[mujoco]'" in err
     assert "puppy" in bayeshunt("robots")[0]
 
 

@@ -17,7 +17,7 @@ _Frequency = Annotated[float, Field(ge=0, le=20, allow_inf_nan=False)]
 
 
 class MujocoSettings(DiscSettings):
-    """A body in MuJoCo, of any number of actuators. Needs the extra: pip install "bayeshunt[mujoco]"."""
+    """A body in MuJoCo, of any number of actuators. Needs the extra: pip install ".[mujoco]"."""
 
     drive: Literal["mujoco"] = Field("mujoco", description="how commands move the body")
     model: str = Field(

@@ -23,7 +23,7 @@ def opened(path: Path, what: str) -> Iterator[Any]:
     try:
         import h5py
     except ImportError:
-        raise InputError(f'{path}: HDF5 files need h5py: pip install "bayeshunt[h5]"') from None
+        raise InputError(f'{path}: HDF5 files need h5py: pip install ".[h5]" in the folder of bayeshunt') from None
     try:
         with h5py.File(path, "r") as file:
             yield file

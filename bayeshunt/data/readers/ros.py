@@ -1,4 +1,4 @@
-"""ROS bags (ROS 1, rosbag2, mcap) as one table: odometry and the last command before it. Needs ``bayeshunt[ros]``."""
+"""ROS bags (ROS 1, rosbag2, mcap) as one table: odometry and the last command before it. Needs the extra ``ros``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_bag(path: Path) -> pd.DataFrame:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        raise InputError(f'{path}: ROS bags need rosbags: pip install "bayeshunt[ros]"') from None
+        raise InputError(f'{path}: ROS bags need rosbags: pip install ".[ros]" in the folder of bayeshunt') from None
     if not path.exists():
         raise DataError(f"{path}: no such file; give a ROS bag")
     try:

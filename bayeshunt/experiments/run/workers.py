@@ -43,7 +43,7 @@ def check_scheduler(scheduler: str | None) -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        raise InputError("a scheduler needs dask: pip install 'bayeshunt[distributed]'") from None
+        raise InputError("a scheduler needs dask: pip install '.[distributed]' in bayeshunt's folder") from None
 
 
 def work_off(

@@ -16,6 +16,7 @@ def load() -> Any:
         import mujoco.rollout
     except ImportError:
         raise InputError(
-            "this robot moves in MuJoCo, which is not installed; install it with: pip install 'bayeshunt[mujoco]'"
+            "this robot moves in MuJoCo, which is not installed; install it with: pip install '.[mujoco]' "
+            "in bayeshunt's folder"
         ) from None
     return mujoco
