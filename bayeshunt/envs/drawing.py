@@ -32,7 +32,9 @@ class Canvas:
         try:
             import pygame
         except ImportError as error:
-            raise DependencyNotInstalled('pygame is not installed, run `pip install ".[gym]"` in bayeshunt's folder') from error
+            raise DependencyNotInstalled(
+                'pygame is not installed, run `pip install ".[gym]"` in the folder of bayeshunt'
+            ) from error
         self._pygame: Any = pygame
         self._arena = settings.arenas[arena]
         self._radii = {

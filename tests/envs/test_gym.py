@@ -334,7 +334,7 @@ def test_without_pygame_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pygame", None)
     env = make(render_mode="rgb_array")
     env.reset(seed=0)
-    with pytest.raises(DependencyNotInstalled, match=r"pip install \"bayeshunt\[gym\]\""):
+    with pytest.raises(DependencyNotInstalled, match=r"pip install \"\.\[gym\]\""):
         env.render()
 
 
