@@ -167,7 +167,7 @@ def test_the_explorer_works_in_jupyterlab(open_page, notebook, model):
     # Dragged to the right of the robot, the target moves and Python answers.
     picture = widget.locator("svg[role=application]")
     box = picture.bounding_box()
-    grip = widget.locator("circle.target-grip[r='11']").bounding_box()
+    grip = widget.locator("circle.target-grip[r='13']").bounding_box()
     page.mouse.move(grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2)
     page.mouse.down()
     page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.42 * box["height"], steps=8)

@@ -66,7 +66,9 @@ def _cases():
     gaits = bh.GaitRepertoire((bh.Gait("a"), bh.Gait("b")), 0.1, 1.0)
     model = bh.ForwardModel.fit(frame, gaits, 0.1, axes=axes)
     inverse = bh.InverseModel(model)
-    settings = bh.load_experiment("paper", {"protocol.time_limit": 4.0, "planners": ("reactive",)})
+    settings = bh.load_experiment(
+        "paper", {"protocol.time_limit": 4.0, "planners": ("reactive",), "model.babbling_steps": 120}
+    )
     robot = bh.load_robot("khepera")
     prey = bh.PreyModel(axes)
     prey.observe(bh.Polar(0.1, 0, 0))

@@ -10,7 +10,7 @@ from blocks import PAGES, ROOT, blocks, lines, run_page
 import bayeshunt.cli  # noqa: F401  the commands
 from bayeshunt.cli.app import app
 
-QUICK = ("own_structure", "prey_model_file")
+QUICK = ("own_structure",)
 each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT / "docs").as_posix())
 
 
