@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -44,6 +44,8 @@ class Perceiver:
         self.gaits, self.task, self.prey_model, self.camera = gaits, task, prey_model, camera
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
+        self._kinds: tuple[type, type] | None = None  # of the belief and of the prey model
+        self._expects = False
         self._passed = 0.0
         self.belief: Belief | None = None
         self.situation: Situation | None = None
@@ -137,10 +139,15 @@ class Perceiver:
         """Learn the transitions that the belief has gained, or what they may have been; return whether any was."""
         belief, model = self.belief, self.prey_model
         self.observed = transitions[-1] if transitions else None
-        if isinstance(belief, MovingBelief) and isinstance(model, ExpectingModel):
-            if belief.expected is not None:
-                model.expect(*belief.expected)
-            return belief.expected is not None
+        kinds = type(belief), type(model)
+        if kinds != self._kinds:  # looked at once: to ask what a protocol demands takes as long as a decision's rest
+            self._kinds = kinds
+            self._expects = isinstance(belief, MovingBelief) and isinstance(model, ExpectingModel)
+        if self._expects:
+            expected = cast(MovingBelief, belief).expected
+            if expected is not None:
+                cast(ExpectingModel, model).expect(*expected)
+            return expected is not None
         for transition in transitions:
             model.observe(transition)
         return bool(transitions)
