@@ -14,7 +14,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
-_LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
+_LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
 _MATH = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 
 #: Sections of the manual: title, and which pages it takes, in this order; a page goes into the first that takes it.
@@ -51,13 +51,13 @@ def relinked(text: str, repository: str, place: str) -> str:
     """Return the Markdown of a file of the repository with its links as the site has them."""
 
     def link(found: re.Match[str]) -> str:
-        said, target, anchor = found[1], found[2], found[3] or ""
+        picture, said, target, anchor = found[1], found[2], found[3], found[4] or ""
         if not target or "://" in target or target.startswith("mailto:"):
             return found[0]
         there = site_place(posixpath.normpath(posixpath.join(posixpath.dirname(repository), target)))
         if there is None:
             return f"`{said.strip('`')}`"  # a file of the repository that is no page
-        return f"[{said}]({posixpath.relpath(there, posixpath.dirname(place) or '.')}{anchor})"
+        return f"{picture}[{said}]({posixpath.relpath(there, posixpath.dirname(place) or '.')}{anchor})"
 
     parts = re.split(r"(^```.*?^```[ ]*$|`[^`\n]+`)", text, flags=re.DOTALL | re.MULTILINE)
     return "".join(part if number % 2 else _LINK.sub(link, part) for number, part in enumerate(parts))

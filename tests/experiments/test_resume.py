@@ -1,11 +1,14 @@
 """A results folder: every hunt kept, the same experiment goes on, another one is refused."""
 
+import pickle
 import sqlite3
 from contextlib import closing
 from itertools import islice
+from pathlib import Path
 
 import pytest
 
+from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
 from bayeshunt.experiments.run import batches, runner
 from bayeshunt.experiments.run.runner import evaluate
@@ -296,3 +299,14 @@ def test_reading_half_an_evaluation_says_how_far_it_is(small, tmp_path):
         small(out=tmp_path, progress=stop_after(5))
     with pytest.raises(BayesHuntError, match=r"\d+ of 28 hunts are done; give the same evaluate line again"):
         load_results(tmp_path)
+
+
+def test_a_worker_that_stands_in_another_folder_finds_the_database(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = Identity.of(load_experiment("paper"), ["reactive"], ["open"], 0, None)
+    Path("results").mkdir()
+    with HuntDatabase.create(Path("results"), asked, "{}") as database:
+        sink = pickle.loads(pickle.dumps(database.sink))
+        monkeypatch.chdir("/")
+        with sink.opened() as writer:
+            assert writer is not None

@@ -60,16 +60,20 @@ class Numbered(NamedTuple):
 
 
 class Sink(NamedTuple):
-    """Where a worker commits its hunts: the database file, and the salt of its rows' checksums."""
+    """Where a worker commits its hunts: the database file, and the salt of its rows' checksums.
+
+    path: as it was given, for messages. place: absolute, as a worker may stand in another folder.
+    """
 
     path: str
     salt: int
+    place: str
 
     @contextlib.contextmanager
     def opened(self) -> Iterator[Writer]:
         """Yield a writer on a connection of its own; BayesHuntError if the file is gone or cannot be written."""
         with _reporting(self.path):
-            connection = _connect(self.path)
+            connection = _connect(self.place)
         # Outside of the reporting: what the work in the block raises is no damage to the database.
         with contextlib.closing(connection):
             yield Writer(connection, self)
@@ -104,7 +108,7 @@ class HuntDatabase(Writer):
         self.path = path
         self.identity = Identity.from_dict(json.loads(about["identity"]))
         self.model = about["model"]
-        super().__init__(connection, Sink(os.fspath(path), int(self.identity.hash[:8], 16)))
+        super().__init__(connection, Sink(os.fspath(path), int(self.identity.hash[:8], 16), str(path.absolute())))
         self._inode = path.stat().st_ino
 
     # --- opening ------------------------------------------------------------------------------
