@@ -174,7 +174,7 @@ def store(tmp_path, khepera_model):
         intact = database.results()[0]
     with HuntDatabase.create(killed, identity, model) as database:
         for row in rows:
-            database._connection.execute(f"INSERT INTO hunts VALUES ({','.join('?' * 13)})", row)
+            database._connection.execute(f"INSERT INTO hunts VALUES ({','.join('?' * len(row))})", row)
         kept = {p.name: p.read_bytes() for p in killed.iterdir()}
     for name, data in kept.items():
         (killed / name).write_bytes(data)
