@@ -6,9 +6,11 @@ import time
 
 import pytest
 
+from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import BayesHuntError, InputError, WorkerError
 from bayeshunt.experiments.run import workers
 from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.experiments.studies.memories import remember
 
 
 def die_once(folder, item):
@@ -100,3 +102,15 @@ def test_a_scheduler_that_is_not_there_is_one_line(khepera_model, monkeypatch, s
     with pytest.raises(InputError, match=message) as error:
         evaluate("paper", runs=1, planners=["reactive"], model=khepera_model, scheduler=scheduler)
     assert "\n" not in str(error.value)
+
+
+def test_a_pool_that_is_used_again_works_where_the_caller_now_stands(tmp_path, monkeypatch, khepera_model):
+    for name in ("one", "two"):  # the second finds the workers of the first
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        remember("paper", arenas=["open"], planner="reactive", runs=1, model=khepera_model).save(f"{name}.json")
+        found = evaluate(
+            load_experiment("paper", {"planner.memory_place.tables": f"{name}.json"}),
+            runs=1, jobs=2, planners=["memory_place"], arenas=["open"], model=khepera_model, out="results",
+        )  # fmt: skip
+        assert len(found) == 7

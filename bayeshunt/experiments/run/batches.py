@@ -7,6 +7,7 @@ import os
 import uuid
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,16 +36,17 @@ def batches(hunts: Sequence[Numbered]) -> Iterator[list[Numbered]]:
 
 
 class Ticket(NamedTuple):
-    """One evaluation: the process that asks for it, a name that no other has, and what it has registered."""
+    """One evaluation: the process that asks, a name that no other has, what it has registered, where it stands."""
 
     process: int
     name: str
     additions: Additions
+    folder: str
 
     @classmethod
     def new(cls) -> Ticket:
         """Return a ticket of this process."""
-        return cls(os.getpid(), uuid.uuid4().hex, Additions.here())
+        return cls(os.getpid(), uuid.uuid4().hex, Additions.here(), str(Path.cwd()))
 
 
 def run_batch(
@@ -57,6 +59,7 @@ def run_batch(
     expected: versions of the libraries that this worker must have. ticket: of the evaluation.
     """
     workers.guard_worker(ticket.process)
+    workers.stand_in(ticket.folder, ticket.process)
     workers.check_worker_versions(expected, versions())
     ticket.additions.adopt()
     planner = _mind(ticket, hunts[0].task, model, settings, rooms)

@@ -13,6 +13,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -167,6 +168,16 @@ def guard_worker(parent: int) -> None:
         return
     _guarded = True
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def stand_in(folder: str, parent: int) -> None:
+    """In a worker process of ``parent``: stand where it stands, so that relative names mean the same files.
+
+    A pool is used again by later work, whose folder may be another one. Does nothing in that process itself, nor in
+    one of another machine or of somebody else's.
+    """
+    if os.getppid() == parent and Path(folder).is_dir():
+        os.chdir(folder)
 
 
 def _end_with(parent: int) -> None:
