@@ -1,9 +1,8 @@
 """How a model or a plan shows itself, without knowing who draws it.
 
-A class that shows itself calls :func:`to_html` from its ``_repr_html_`` and :func:`to_text` from its
-``__str__``. Which module draws is arranged by the package itself with :func:`arrange`, by name, and
-that module is imported when something is shown for the first time: models and planners never see
-the views, and a robot that hunts without a screen never loads them.
+A class that shows itself derives from :class:`Displayed`. Which module draws is arranged by the package itself with
+:func:`arrange`, by name, and that module is imported when something is shown for the first time: models and planners
+never see the views, and a robot that hunts without a screen never loads them.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from bayeshunt.core.errors import InputError
 if TYPE_CHECKING:
     import os
 
-__all__ = ["arrange", "bundle", "save", "to_html", "to_text", "widget"]
+__all__ = ["Displayed", "arrange", "bundle", "save", "to_html", "to_text", "widget"]
 
 #: Module that offers ``to_html(thing)`` and ``to_text(thing)``; None: nobody draws.
 _drawer: str | None = None
@@ -43,6 +42,18 @@ def to_html(thing: Any) -> str | None:
 def to_text(thing: Any) -> str:
     """Return ``thing`` as plain text of several lines; its ``repr`` if nobody draws."""
     return repr(thing) if _drawer is None else str(import_module(_drawer).to_text(thing))
+
+
+class Displayed:
+    """Shows itself: as text where it is printed, as a card in a notebook."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return to_text(self)
+
+    def _repr_html_(self) -> str | None:
+        return to_html(self)
 
 
 def widget(thing: Any) -> Any:

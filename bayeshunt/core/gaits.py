@@ -62,7 +62,7 @@ def gait_name(label: Any) -> str:
 
 
 @dataclass(frozen=True, repr=False)
-class GaitRepertoire(Sequence[Gait]):
+class GaitRepertoire(displays.Displayed, Sequence[Gait]):
     """The gaits of one robot, in the order of every table's columns.
 
     body_length: metres, the unit of the default distance bins; None: unknown.
@@ -170,12 +170,6 @@ class GaitRepertoire(Sequence[Gait]):
         facts += [] if self.body_length is None else [f"body {1000 * self.body_length:g} mm"]
         facts += [] if self.duration is None else [f"each held {self.duration:g} s"]
         return f"<GaitRepertoire: {', '.join(facts)}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def __getitem__(self, key: Any) -> Any:
         return self.gaits[self.index(key)] if isinstance(key, str) else self.gaits[key]

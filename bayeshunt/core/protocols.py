@@ -53,7 +53,7 @@ class Body(Protocol):
         """Hold ``gait`` from now on."""
 
     def place(self, pose: Pose) -> None:
-        """Put it at ``pose`` as it is, its momentum kept; a real robot raises an error."""
+        """Put it at ``pose`` as it is, its momentum kept; a real robot raises InputError."""
 
 
 @runtime_checkable

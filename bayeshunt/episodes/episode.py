@@ -34,7 +34,7 @@ def _typed(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Episode:
+class Episode(displays.Displayed):
     """One hunt.
 
     caught: whether the prey was caught. time: seconds to the catch (the time limit if missed).
@@ -95,12 +95,6 @@ class Episode:
     def __repr__(self) -> str:
         ending = f"caught after {self.time:.2f} s" if self.caught else f"not caught in {self.time:g} s"
         return f"<Episode: {ending}, {len(self.frame)} decisions>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     @property
     def spent(self) -> str:

@@ -22,7 +22,7 @@ __all__ = ["CellTrace", "PlanTrace", "Trace", "trace", "trace_answer"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trace:
+class Trace(displays.Displayed):
     """A probability P(Gait | evidence) opened.
 
     answer: what is traced. gait: whose probability.
@@ -62,12 +62,6 @@ class Trace:
 
     def __repr__(self) -> str:
         return f"<Trace: {self.formula}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def trace(

@@ -17,7 +17,7 @@ __all__ = ["CellTrace", "trace_cell"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CellTrace:
+class CellTrace(displays.Displayed):
     """A cell P(variable = state | Gait = gait) of a model's table opened.
 
     model: whose table. variable, state: the row. gait: the column; of P(Gait) the state itself.
@@ -56,12 +56,6 @@ class CellTrace:
 
     def __repr__(self) -> str:
         return f"<Trace: {self.formula}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def trace_cell(model: ForwardModel, cell: Any) -> CellTrace:

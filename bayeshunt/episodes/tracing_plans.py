@@ -18,7 +18,7 @@ __all__ = ["PlanTrace", "trace_plan"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PlanTrace:
+class PlanTrace(displays.Displayed):
     """A plan opened.
 
     plan: what is traced. model: whose tables it rests on; None: not given.
@@ -84,12 +84,6 @@ class PlanTrace:
 
     def __repr__(self) -> str:
         return f"<Trace: {self.formula}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def trace_plan(plan: Plan, model: ForwardModel | None) -> PlanTrace:

@@ -169,7 +169,7 @@ _OPTIONAL: tuple[tuple[str, type, str], ...] = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan:
+class Plan(displays.Displayed):
     """A decision and the reasons for it.
 
     Only ``gait`` is required: ``Plan("straight")`` is a plan of one gait that a rule chose.
@@ -228,12 +228,6 @@ class Plan:
     def __repr__(self) -> str:
         return f"<Plan: {self.gait} ({len(self.gaits)} steps), value {self.value:.4g}, {self.nodes} nodes>"
 
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
-
 
 @runtime_checkable
 class Planner(Protocol):
@@ -247,7 +241,7 @@ class Planner(Protocol):
         """Decide; ``rng`` is the only source of chance."""
 
 
-class Shown:
+class Shown(displays.Displayed):
     """A planner that shows itself: in one line, as text, and in a notebook; ``info`` says what sets it apart."""
 
     name: str
@@ -279,12 +273,6 @@ class Shown:
     def __repr__(self) -> str:
         settings = ", ".join(f"{key} {value}" for key, value in self.chosen().items())
         return f"<planner {self.name}: {settings}>" if settings else f"<planner {self.name}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def _one_row(gait: str, value: float) -> pd.DataFrame:

@@ -1,6 +1,5 @@
 """A results folder: every hunt kept, the same experiment goes on, another one is refused."""
 
-import pickle
 import sqlite3
 from contextlib import closing
 from itertools import islice
@@ -306,7 +305,6 @@ def test_a_worker_that_stands_in_another_folder_finds_the_database(tmp_path, mon
     asked = Identity.of(load_experiment("paper"), ["reactive"], ["open"], 0, None)
     Path("results").mkdir()
     with HuntDatabase.create(Path("results"), asked, "{}") as database:
-        sink = pickle.loads(pickle.dumps(database.sink))
         monkeypatch.chdir("/")
-        with sink.opened() as writer:
+        with database.sink.opened() as writer:
             assert writer is not None

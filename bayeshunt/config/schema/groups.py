@@ -41,11 +41,5 @@ class Settings(BaseModel, metaclass=_Named):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class ShownSettings(Settings):
+class ShownSettings(displays.Displayed, Settings):
     """Settings that show themselves: as text, and in a notebook."""
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)

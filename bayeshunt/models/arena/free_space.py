@@ -29,7 +29,7 @@ _FREE, _LOOKS = 0.05, 0.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeSpace:
+class FreeSpace(displays.Displayed):
     """Counts of the hunter's centre in cells: how often it was there, how often it was stopped on its way there.
 
     ``P(free) = (visits + 0.05) / (visits + hits + 0.5)``: what was never visited is taken to be blocked, more or less.
@@ -143,12 +143,6 @@ class FreeSpace:
     def __repr__(self) -> str:
         known, stopped = int((self.visits > 0).sum()), int((self.hits > 0).sum())
         return f"<FreeSpace: {known} cells visited, {stopped} hit, {1000 * self.cell:g} mm>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values for JSON: the cells that were visited or hit, as [column, row, visits, hits]."""

@@ -38,7 +38,7 @@ _PARALLEL = math.radians(10.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RoomModel:
+class RoomModel(displays.Displayed):
     """Walls as half-planes ``nx x + ny y <= offset`` of the hunter's centre, in its starting frame.
 
     normals: unit vectors towards the walls, x ahead and y to the left [W, 2]. offsets: metres [W].
@@ -105,12 +105,6 @@ class RoomModel:
 
     def __repr__(self) -> str:
         return f"<RoomModel: {len(self.offsets)} walls, {self.space!r}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     @checked
     def save(self, path: str | os.PathLike[str]) -> None:

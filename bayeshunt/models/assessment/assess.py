@@ -49,7 +49,7 @@ PRIOR = 0.03
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Assessment:
+class Assessment(displays.Displayed):
     """How good a forward model is on a babbling table. Log-losses are natural, in nats per row.
 
     settings: rows scored, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
@@ -83,12 +83,6 @@ class Assessment:
     def __repr__(self) -> str:
         facts, best = self.settings, self.structures["log_loss"].idxmin()
         return f"<Assessment: {facts['rows']} rows, {facts['folds']} folds, best structure {best}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain values for JSON; a number that is not finite is None."""

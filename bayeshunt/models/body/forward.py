@@ -44,7 +44,7 @@ __all__ = ["ForwardModel"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class ForwardModel(WritableModel):
+class ForwardModel(displays.Displayed, WritableModel):
     """P(Gait), P(Distance | Gait), P(Angle | Gait), P(Heading | Gait), and the counts behind them.
 
     source: where the tables come from: counted rows, rows counted by the gait before, or another program's network.
@@ -364,12 +364,6 @@ class ForwardModel(WritableModel):
         kind += "" if self.source.residual_of is None else f", residuals of the {self.source.residual_of}"
         rows = f"{len(self.gaits)} gaits, {self.joint.total} rows"
         return f"<ForwardModel{after}: {rows}, bins {bins}, prior {self.prior:g}{kind}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def __eq__(self, other: object) -> bool:
         """Equal counts, prior and gait prior (imported: equal tables), hence equal tables; provenance may differ."""

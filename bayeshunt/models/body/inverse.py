@@ -36,7 +36,7 @@ _SAMPLES = 1000
 _TIE = 1e-9
 
 
-class InverseModel:
+class InverseModel(displays.Displayed):
     """P(Gait | Distance, Angle [, Heading]) of a forward model; immutable.
 
     Learned coordinates are the (Distance, Angle) cells that babbled rows fell into; in an imported
@@ -179,12 +179,6 @@ class InverseModel:
     def __repr__(self) -> str:
         learned = "learned " if self.model.has_counts else ""
         return f"<InverseModel: {len(self._cells)} {learned}coordinates, {len(self.model.gaits)} gaits>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return InverseModel, (self.model,)

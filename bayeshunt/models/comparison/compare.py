@@ -27,7 +27,7 @@ __all__ = ["Comparison", "compare"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(displays.Displayed):
     """How two models differ.
 
     difference, low, high: variable -> P of the second less P of the first, rows = bins, columns = gaits, and the ends
@@ -94,12 +94,6 @@ class Comparison:
     def __repr__(self) -> str:
         total = sum(frame.size for frame in self.difference.values())
         return f"<Comparison: {len(self.cells)} of {total} cells differ by more than chance>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def compare(a: ForwardModel, b: ForwardModel, level: float = 0.95) -> Comparison:

@@ -23,7 +23,7 @@ from bayeshunt.models.counting.measures import measured
 __all__ = ["Learning"]
 
 
-class Learning:
+class Learning(displays.Displayed):
     """A babbling table read row by row.
 
     frame, gaits, prior, axes, gait_prior: as in ``ForwardModel.fit``; the structure is the paper's.
@@ -123,12 +123,6 @@ class Learning:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write it as one HTML page with a slider over the rows, replaced atomically."""
         displays.save(self, path)
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def __repr__(self) -> str:
         return f"<Learning: {len(self)} rows of {len(self.gaits)} gaits>"

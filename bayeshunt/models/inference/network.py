@@ -32,7 +32,7 @@ _MOST_CELLS = 1 << 24
 Value = Any
 
 
-class Network:
+class Network(displays.Displayed):
     """A model's Bayesian network, every node of which can be asked and observed.
 
     model: a forward or inverse model of any structure, learned or imported; or a network over any nodes, at most 40: a
@@ -197,12 +197,6 @@ class Network:
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return displays.bundle(self, **options)
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     def __repr__(self) -> str:
         return f"<Network: {len(self.nodes)} nodes, {len(self.edges)} edges>"

@@ -11,7 +11,7 @@ from bayeshunt.core import displays
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProbabilityTable:
+class ProbabilityTable(displays.Displayed):
     """P(variable | Gait) as it is shown: four frames of one shape, rows = bins, columns = gaits.
 
     variable: "Distance", "Angle", "Heading" or "Gait" (then one column "probability"); in a model of residuals
@@ -50,9 +50,3 @@ class ProbabilityTable:
         bins, columns = self.probability.shape
         rows = "counts unknown" if self.count is None else f"{int(self.count.to_numpy().sum())} rows"
         return f"<{self.title}: {bins} x {columns}, {rows}>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)

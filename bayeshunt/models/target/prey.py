@@ -38,7 +38,7 @@ _EFFECT_COLUMNS = ("distance", "angle", "heading")
 _UNIT = 1 << 60
 
 
-class PreyModel(StoredPrey):
+class PreyModel(displays.Displayed, StoredPrey):
     """Joint counts of (Distance, Angle, Heading) transitions; mutable: :meth:`observe` adds one.
 
     axes: bins; the distance grid is open-ended. Default ``EffectAxes.standard(0.057)``.
@@ -289,12 +289,6 @@ class PreyModel(StoredPrey):
 
     def __repr__(self) -> str:
         return f"<PreyModel: {self.observations} transitions in {len(self._counts)} cells>"
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
     # --- inside -------------------------------------------------------------------------------
 

@@ -29,7 +29,7 @@ SECTORS = 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ParticleBelief:
+class ParticleBelief(displays.Displayed):
     """Where the prey may be, as weighted particles; see ``bayeshunt.protocols.Belief``.
 
     time: seconds, of the observation. own: the hunter's pose then. expected: transitions that the prey may have made in
@@ -166,12 +166,6 @@ class ParticleBelief:
             f"<ParticleBelief: {1000 * place.distance:.0f} mm away at {math.degrees(place.angle):.0f} deg, "
             f"give or take {1000 * self.spread:.0f} mm; {seen}; {len(self.cloud)} particles>"
         )
-
-    def __str__(self) -> str:
-        return displays.to_text(self)
-
-    def _repr_html_(self) -> str | None:
-        return displays.to_html(self)
 
 
 def _rings() -> list[str]:
