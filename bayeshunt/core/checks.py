@@ -21,7 +21,6 @@ __all__ = [
     "MOST_PSEUDO_COUNT",
     "beyond_a_turn",
     "check_bearings",
-    "check_callable",
     "check_generator",
     "check_kind",
     "check_number",
@@ -31,6 +30,7 @@ __all__ = [
     "check_pseudo_count",
     "check_radians",
     "check_whole",
+    "conforms",
 ]
 
 
@@ -40,10 +40,20 @@ def check_kind(value: Any, name: str, kind: type, expected: str) -> None:
         raise InputError(f"{name}: expected {expected}, got {shown(value)}")
 
 
-def check_callable(value: Any, name: str, expected: str) -> None:
-    """Raise InputError unless ``value`` can be called, or is None; ``expected`` says it in words."""
-    if value is not None and not callable(value):
-        raise InputError(f"{name}: expected {expected} or None, got {shown(value)}")
+#: What was found of a class and a protocol.
+_conforming: dict[tuple[type, type], bool] = {}
+
+
+def conforms(thing: object, protocol: type) -> bool:
+    """Return ``isinstance(thing, protocol)``, looked at once per class: asking a protocol takes as long as a decision.
+
+    protocol: a runtime-checkable one; a class keeps its promises in all its instances or in none.
+    """
+    key = type(thing), protocol
+    found = _conforming.get(key)
+    if found is None:
+        found = _conforming[key] = isinstance(thing, protocol)
+    return found
 
 
 def check_whole(value: Any, name: str, least: int) -> None:

@@ -12,12 +12,12 @@ from typing import Any, cast
 import numpy as np
 
 from bayeshunt.config.schema.camera import CameraSettings
-from bayeshunt.core.checks import FULL_TURN, check_kind, check_number
+from bayeshunt.core.checks import FULL_TURN, check_kind, check_number, conforms
 from bayeshunt.core.errors import DataWarning, InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.messages import Detection, Frame, Observation
-from bayeshunt.core.protocols import Belief, ExpectingModel, MovingBelief, TargetModel, Tracker
+from bayeshunt.core.protocols import Belief, ExpectingModel, Map, MovingBelief, TargetModel, Tracker
 from bayeshunt.core.task import Task
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Situation
@@ -30,7 +30,7 @@ class Perceiver:
 
     gaits: the hunter's repertoire. tracker: what turns sightings into a belief. prey_model: what is known of the prey;
     it goes on learning. task: what counts as a catch. rng: of all that the tracker draws. camera: what the hunter sees
-    with, for planners that mind where it looks; None: it sees all.
+    with, for planners that mind where it looks; None: it sees all. map: where obstacles stand, if it is told.
 
     belief, prey_model, situation, time [s] and steps are there to look at; ``observed`` is the prey transition that
     the last situation has learned, or None; ``skipped`` counts the steps whose transition was not learned.
@@ -38,14 +38,13 @@ class Perceiver:
 
     def __init__(
         self, gaits: GaitRepertoire, tracker: Tracker, prey_model: TargetModel, task: Task, *,
-        rng: np.random.Generator, camera: CameraSettings | None = None,
+        rng: np.random.Generator, camera: CameraSettings | None = None, map: Map | None = None,
     ) -> None:  # fmt: skip
         _check_time_step(prey_model, gaits)
         self.gaits, self.task, self.prey_model, self.camera = gaits, task, prey_model, camera
+        self.map = map
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
-        self._kinds: tuple[type, type] | None = None  # of the belief and of the prey model
-        self._expects = False
         self._passed = 0.0
         self.belief: Belief | None = None
         self.situation: Situation | None = None
@@ -79,7 +78,7 @@ class Perceiver:
             body_length=self.gaits.body_length, time=observation.time, step=self.steps,
             previous_gait=self.previous, time_step=self.gaits.duration,
             transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
-            belief=self.belief, camera=self.camera,
+            belief=self.belief, camera=self.camera, map=self.map,
         )  # fmt: skip
         return self.situation
 
@@ -139,11 +138,7 @@ class Perceiver:
         """Learn the transitions that the belief has gained, or what they may have been; return whether any was."""
         belief, model = self.belief, self.prey_model
         self.observed = transitions[-1] if transitions else None
-        kinds = type(belief), type(model)
-        if kinds != self._kinds:  # looked at once: to ask what a protocol demands takes as long as a decision's rest
-            self._kinds = kinds
-            self._expects = isinstance(belief, MovingBelief) and isinstance(model, ExpectingModel)
-        if self._expects:
+        if conforms(belief, MovingBelief) and conforms(model, ExpectingModel):
             expected = cast(MovingBelief, belief).expected
             if expected is not None:
                 cast(ExpectingModel, model).expect(*expected)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 from bayeshunt.config.loading import load_experiment
@@ -92,12 +91,11 @@ class Pursuit:
             if prey_model is None
             else prey_model.copy()
         )
+        among, radius = settings.arenas[arena].obstacles, 0.5 * settings.robot.body.diameter
         self._perceiver = Perceiver(
-            self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=camera_of(sensing)
-        )
-        among = settings.arenas[arena].obstacles
-        radius = 0.5 * settings.robot.body.diameter
-        self._told = ForBody(self.trial.world.map, self.trial.start, radius) if told and among else None
+            self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=camera_of(sensing),
+            map=ForBody(self.trial.world.map, self.trial.start, radius) if told and among else None,
+        )  # fmt: skip
         self._run = Run((self.trial.moment,))
         self._situation: Situation | None = None
         self._changes = 0
@@ -110,8 +108,6 @@ class Pursuit:
             seen = self._sensor.sense(self._run, trial.world.map, rng=self._sensor_rng)
             future = Future(*trial.future(self._foresight)) if self._foresight else None
             self._situation = self._perceiver.consider(seen, future)
-            if self._told is not None:
-                self._situation = replace(self._situation, map=self._told)
         return self._situation
 
     def step(self, gait: str | int | Gait, prey: Gait | None = None, *, nodes: int = 0) -> None:
@@ -128,8 +124,9 @@ class Pursuit:
         before, _ = self._perceiver.previous, self.situation  # what was seen before the gait must have been looked at
         self._changes += before is not None and chosen.name != before
         self._perceiver.execute(chosen.name)
-        held = None if before is None else self.gaits.gaits[self.gaits.number(before)]
-        self._run = self.trial.step(chosen, prey, thought=self._thought(nodes), held=held)
+        thought = self._thought(nodes)
+        held = self.gaits[before] if thought and before is not None else None
+        self._run = self.trial.step(chosen, prey, thought=thought, held=held)
         self._situation = None
 
     def _thought(self, nodes: int) -> float:

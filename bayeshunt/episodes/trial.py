@@ -68,16 +68,17 @@ class Trial:
         """
         before, step = self.moment, self.settings.physics.step
         left = min(self.settings.robot.gait_duration, self.time_left)
-        wait = min(math.floor(thought / step + 1e-9) * step, left)
+        wait = min(math.floor(thought / step + 1e-9) * step, left) if thought else 0.0
         others = {} if prey is None else {PREY: prey}
         run = Run(())
         if wait > 0:
             run = self.world.run(others if held is None else {HUNTER: held, **others}, wait, self.reach)
         if run.stopped is None and left - wait > 0.5 * step:
             run = _joined(run, self.world.run({HUNTER: gait, **others}, left - wait, self.reach))
-        if not run.moments or not run.moments[-1].time > before.time:
+        now = run.moments[-1] if run.moments else before
+        if not now.time > before.time:
             raise BayesHuntError(f"world {self.settings.world!r}: a run of a gait took no time; run check_world on it")
-        self.moment, self.caught = run.moments[-1], run.stopped is not None
+        self.moment, self.caught = now, run.stopped is not None
         start, end = before.poses[HUNTER], self.moment.poses[HUNTER]
         self.distance += math.hypot(end.x - start.x, end.y - start.y)
         self.energy += run.energy.get(HUNTER, 0.0)

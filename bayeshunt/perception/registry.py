@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.checks import conforms
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import Sensor, Tracker
 from bayeshunt.perception.sensors.camera import Camera
@@ -81,16 +82,16 @@ def tracker_names() -> list[str]:
 
 def make_sensor(name: str, context: PerceptionContext, settings: Mapping[str, Any]) -> Sensor:
     """Return a sensor for one hunt; InputError for an unknown name or setting."""
-    made = _make("sensor", _SENSORS, name, context, settings)
-    if not isinstance(made, Sensor):
+    made: Sensor = _make("sensor", _SENSORS, name, context, settings)
+    if not conforms(made, Sensor):
         raise InputError(f"sensor {name!r}: {shown(made)} is no bayeshunt.protocols.Sensor")
     return made
 
 
 def make_tracker(name: str, context: PerceptionContext, settings: Mapping[str, Any]) -> Tracker:
     """Return a tracker for one hunt; InputError for an unknown name or setting."""
-    made = _make("tracker", _TRACKERS, name, context, settings)
-    if not isinstance(made, Tracker):
+    made: Tracker = _make("tracker", _TRACKERS, name, context, settings)
+    if not conforms(made, Tracker):
         raise InputError(f"tracker {name!r}: {shown(made)} is no bayeshunt.protocols.Tracker")
     return made
 
@@ -118,7 +119,7 @@ def _check(kind: str, known: Mapping[str, Factory], name: str) -> None:
 
 def _make(
     kind: str, known: Mapping[str, Factory], name: str, context: PerceptionContext, settings: Mapping[str, Any]
-) -> object:
+) -> Any:
     _check(kind, known, name)
     try:
         return known[name](context, **settings)

@@ -22,8 +22,9 @@ from bayeshunt.core.checks import (
     check_positive,
     check_radians,
     check_whole,
+    conforms,
 )
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GIVE_MEASURES
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.task import Task
@@ -79,8 +80,6 @@ class Future:
 
 
 _UNKNOWN = Task()
-#: Classes of prey models that have been looked at.
-_PREDICTORS: set[type] = set()
 
 
 @dataclass(frozen=True)
@@ -124,9 +123,9 @@ class Situation:
 
     def __post_init__(self) -> None:
         self._check_prey()
-        if type(self.prey_model) not in _PREDICTORS:  # asking a protocol costs more than a quick decision
-            check_kind(self.prey_model, "prey_model", PreyPredictor, "a prey model, such as bayeshunt.PreyModel()")
-            _PREDICTORS.add(type(self.prey_model))
+        if not conforms(self.prey_model, PreyPredictor):
+            model = shown(self.prey_model)
+            raise InputError(f"prey_model: expected a prey model, such as bayeshunt.PreyModel(), got {model}")
         for name, unit in (("body_length", "metres"), ("time_step", "seconds")):
             if getattr(self, name) is not None:
                 check_positive(getattr(self, name), name, unit)
@@ -135,10 +134,11 @@ class Situation:
         for name, kind, expected in _OPTIONAL:
             if getattr(self, name) is not None:
                 check_kind(getattr(self, name), name, kind, expected)
-        check_kind(self.transitions, "transitions", Sequence, "a list of Polar")
-        for transition in self.transitions:
-            check_kind(transition, "transitions", Polar, "a list of Polar")
-        object.__setattr__(self, "transitions", tuple(self.transitions))
+        if type(self.transitions) is not tuple or not set(map(type, self.transitions)) <= {Polar}:
+            check_kind(self.transitions, "transitions", Sequence, "a list of Polar")
+            for transition in self.transitions:
+                check_kind(transition, "transitions", Polar, "a list of Polar")
+            object.__setattr__(self, "transitions", tuple(self.transitions))
         check_kind(self.task, "task", Task, "a Task, with a catch distance [m] and a time limit [s]")
 
     def need(self, measure: str) -> float:

@@ -14,7 +14,7 @@ import pandas as pd
 from bayeshunt.config.loading import load_robot
 from bayeshunt.config.schema import ArenaSettings, PhysicsSettings, RobotSettings
 from bayeshunt.core.arguments import checked
-from bayeshunt.core.checks import check_callable, check_whole
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.core.protocols import World
@@ -54,7 +54,6 @@ def babble(
     """
     robot = load_robot(robot)
     check_whole(steps, "steps", 1)
-    check_callable(progress, "progress", "a function of a number")
     check_whole(seed, "seed", 0)
     physics = physics or robot.physics
     choice, noise = (np.random.default_rng(s) for s in np.random.SeedSequence([seed]).spawn(2))
@@ -64,7 +63,6 @@ def babble(
     executed, energy = np.empty((steps, PATH_INTERVALS, 3)), np.empty(steps)
     falls = np.empty(steps, dtype=np.int64)
     counts, gaits = interval_steps(physics.steps(robot.gait_duration)), tuple(robot.gaits)
-    check_callable(choose, "choose", "a function of the gait before and where it led")
     end = Pose(0.0, 0.0, 0.0)
     for row in range(steps):
         if choose is not None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from bayeshunt.config.schema.drives import find_drive
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.checks import conforms
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import World
 from bayeshunt.worlds.prey.names import is_recorded
@@ -75,7 +76,7 @@ def make_world(name: str, scene: Scene) -> World:
     if name == BOX2D:
         name = find_drive(scene.robot.body.drive).world
     world = _WORLDS[name](scene)
-    if not isinstance(world, World):
+    if not conforms(world, World):
         raise InputError(f"world {name!r}: {shown(world)} is no bayeshunt.protocols.World; run bayeshunt.check_world")
     return world
 

@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import Field, SerializeAsAny, TypeAdapter, ValidationInfo, field_validator, model_validator
 
 from bayeshunt.config.schema.bodies import BodySettings, GaitSettings, NoiseSettings
-from bayeshunt.config.schema.drives import find_drive
+from bayeshunt.config.schema.drives import DriveKind, find_drive
 from bayeshunt.config.schema.groups import Positive, ShownSettings
 from bayeshunt.config.schema.protocol import PhysicsSettings
 from bayeshunt.core.errors import InputError
@@ -93,6 +93,13 @@ class RobotSettings(ShownSettings):
     @property
     def gaits(self) -> GaitRepertoire:
         """The gaits as the models' repertoire."""
+        global _made
         kind = find_drive(self.body.drive)
-        gaits = tuple(Gait(gait.name, kind.command(gait)) for gait in self.gait)
-        return GaitRepertoire(gaits, self.body.body_length, self.gait_duration)
+        if _made is None or _made[0] is not self or _made[1] is not kind:
+            gaits = tuple(Gait(gait.name, kind.command(gait)) for gait in self.gait)
+            _made = self, kind, GaitRepertoire(gaits, self.body.body_length, self.gait_duration)
+        return _made[2]
+
+
+#: The repertoire that was made last, and of what: every hunt of an evaluation asks for the same one.
+_made: tuple[RobotSettings, DriveKind, GaitRepertoire] | None = None

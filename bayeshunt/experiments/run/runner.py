@@ -17,7 +17,7 @@ import pandas as pd
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked_but
-from bayeshunt.core.checks import check_callable, check_kind, check_whole
+from bayeshunt.core.checks import check_kind, check_whole
 from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
 from bayeshunt.episodes.loop import Result
 from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
@@ -83,8 +83,6 @@ def evaluate(
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     check_whole(seed, "seed", 0)
-    check_callable(progress, "progress", "a function of a number")
-    check_callable(say, "say", "a function of a text")
     planners = _names(planners, settings.planners, "planners")
     arenas = _names(arenas, tuple(settings.arenas), "arenas")
     check_planners(settings, planners)

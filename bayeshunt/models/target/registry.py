@@ -11,6 +11,7 @@ from pathlib import Path
 
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.checks import conforms
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.models.target.following import ConstantVelocity
@@ -73,7 +74,7 @@ def make_prey_model(name: str, axes: EffectAxes) -> TargetModel:
 
 def is_prey_model(thing: object) -> bool:
     """Return whether a thing has all that the hunt, its record and the planners use of a prey model."""
-    return isinstance(thing, TargetModel)
+    return conforms(thing, TargetModel)
 
 
 def check_prey_model_name(name: str) -> None:

@@ -121,15 +121,16 @@ class Drive:
 
     def _track(self) -> None:
         """Move every actuator towards its target by at most one step's change."""
-        limits, state = self._limits, self.state
-        gaps = [aim - now for aim, now in zip(self.target, state, strict=True)]
-        self.moving = any(abs(gap) > limit for gap, limit in zip(gaps, limits, strict=True))
-        if self.moving:
-            self.state = tuple(
-                now + max(-limit, min(limit, gap)) for now, gap, limit in zip(state, gaps, limits, strict=True)
-            )
-        else:
-            self.state = self.target
+        moving, state = False, []
+        for now, aim, limit in zip(self.state, self.target, self._limits, strict=True):
+            gap = aim - now
+            if gap > limit:
+                gap, moving = limit, True
+            elif gap < -limit:
+                gap, moving = -limit, True
+            state.append(now + gap)
+        self.moving = moving
+        self.state = tuple(state) if moving else self.target
         self._move()
 
     def advance(self) -> None:

@@ -7,6 +7,7 @@ so every reset makes a fresh one.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -125,7 +126,8 @@ class Box2DWorld:
     # --- inside -------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        self.world = new_world()
+        self.world, physics = new_world(), self.physics
+        self._step = partial(self.world.Step, physics.step, physics.velocity_iterations, physics.position_iterations)
         self.bodies, self._prey = {}, []
         self._steps = self._phase = 0
         arena = self.scene.arena
@@ -211,13 +213,12 @@ class Box2DWorld:
 
     def _advance(self, count: int) -> int:
         """Take up to ``count`` physics steps; return how many, negative if the last of them was the catch."""
-        world, physics, near, far = self.world, self.physics, self._near, self._apart
-        step, (one, other), moves = world.Step, self._pair, self._moves
-        interval, velocity, position = physics.step, physics.velocity_iterations, physics.position_iterations
+        (one, other), near, far = self._pair, self._near, self._apart
+        world, step, moves = self.world, self._step, self._moves
         for taken in range(1, count + 1):
             for move in moves:
                 move()
-            step(interval, velocity, position)
+            step()
             dx, dy = one.x - other.x, one.y - other.y
             gap = dx * dx + dy * dy
             if gap < far and world.contactCount:
