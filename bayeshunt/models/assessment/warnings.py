@@ -12,8 +12,10 @@ from bayeshunt.core.units import degrees, length
 from bayeshunt.models.assessment.rows import CodedRows
 from bayeshunt.models.counting.auto_axes import auto_axes, density_losses
 
-__all__ = ["warnings"]
+__all__ = ["is_grave", "warnings"]
 
+#: Stands in a warning that the gait makes predictions worse, and in no other note.
+_GRAVE = "WORSE"
 #: Bins that foresee a row by this many nats better are worth saying.
 _WORTH = 0.5
 #: Nats a row: a loss beyond the first is said whatever the interval, one below the last is none.
@@ -30,16 +32,21 @@ def warnings(frame: pd.DataFrame, rows: CodedRows, variables: pd.DataFrame, gain
     """
     loss, blind = variables["log_loss"], variables["log_loss_without_gait"]
     said = [
-        f"{name} is foreseen WORSE than ignoring the gait: {loss[name]:.2f} nats a row against {blind[name]:.2f}; "
+        f"{name} is foreseen {_GRAVE} than ignoring the gait: {loss[name]:.2f} nats a row against {blind[name]:.2f}; "
         "more rows, fewer gaits or wider bins would help."
         for name, gain in zip(EFFECTS, gains.T, strict=True)
         if _costs(gain)
     ]
     if _costs(gains.sum(axis=1)):
-        said.insert(0, f"The model is WORSE than ignoring the gait: {loss.sum():.2f} nats a row against "
+        said.insert(0, f"The model is {_GRAVE} than ignoring the gait: {loss.sum():.2f} nats a row against "
                        f"{blind.sum():.2f}; do not use it with these bins.")  # fmt: skip
     better = _better_bins(frame, rows)
     return [*said, better] if better and (said or not better.startswith("Finer")) else said
+
+
+def is_grave(note: str) -> bool:
+    """Return whether a note of an assessment warns that the gait makes predictions worse: it comes first, in red."""
+    return _GRAVE in note
 
 
 def _costs(gain: np.ndarray) -> bool:

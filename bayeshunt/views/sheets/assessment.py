@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bayeshunt.models.assessment.assess import Assessment
+from bayeshunt.models.assessment.warnings import is_grave
 from bayeshunt.views.notebook.html import Html, number, row, table, tag
 from bayeshunt.views.sheets.sheet import Drawn, Note, Printed, Sheet
 from bayeshunt.views.terminal.assessment import assessment_text
@@ -23,13 +24,13 @@ def assessment(shown: Assessment) -> Sheet:
     )
     predictions = f"Predictions of each variable, structure {settings['structure']}"
     drawn = [
-        *(Drawn(Note(note)) for note in shown.notes if "WORSE" in note),
+        *(Drawn(Note(note)) for note in shown.notes if is_grave(note)),
         Drawn(_structures(shown), Note(measure)),
         Drawn(_factors(shown), title="What each structure assumes"),
         Drawn(_variables(shown), title=predictions),
         Drawn(_independence(shown), title="Independent given the gait?"),
         Drawn(_confusion(shown), title="Gaits taken for others"),
-        *(Drawn(Note(note)) for note in shown.notes if "WORSE" not in note),
+        *(Drawn(Note(note)) for note in shown.notes if not is_grave(note)),
     ]
     return Sheet("Assessment", subtitle, known, [Printed(lambda: assessment_text(shown).splitlines()), *drawn])
 

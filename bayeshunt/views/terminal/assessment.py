@@ -10,6 +10,7 @@ from rich.text import Text
 
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.assessment.assess import Assessment
+from bayeshunt.models.assessment.warnings import is_grave
 from bayeshunt.views.terminal import terminal
 from bayeshunt.views.terminal.text_tables import TextTable, string_console, word
 
@@ -36,7 +37,7 @@ def assessment_tables(assessment: Assessment, out: Console = terminal.out) -> No
     if assessment.given is not None:
         _given(assessment.given, out)
     for note in assessment.notes:
-        out.print(Text(note, style="bold red" if "WORSE" in note else "italic"))
+        out.print(Text(note, style="bold red" if is_grave(note) else "italic"))
 
 
 def _variables(assessment: Assessment, out: Console) -> None:
