@@ -54,7 +54,8 @@ class PlanTrace(displays.Displayed):
 
     @property
     def cells(self) -> pd.DataFrame:
-        """A row per gait of the sequence and effect: variable, likeliest state, given, probability, count, rows.
+        """A row per gait of the sequence and effect: variable, likeliest state, gait, given, probability, count,
+        rows.
 
         ``rows`` are all those of the gait, from whose tables its outcomes are drawn. Raises InputError without a model.
         """
@@ -66,8 +67,8 @@ class PlanTrace(displays.Displayed):
                 best = int(np.argmax(shares.to_numpy()))
                 counts = model.counts(variable).to_numpy()[:, at] if model.has_counts else None
                 known = (pd.NA, pd.NA) if counts is None else (int(counts[best]), int(counts.sum()))
-                rows.append((variable, shares.index[best], f"Gait = {gait}", float(shares.iloc[best]), *known))
-        frame = pd.DataFrame(rows, columns=["variable", "state", "given", "probability", "count", "rows"])
+                rows.append((variable, shares.index[best], gait, f"Gait = {gait}", float(shares.iloc[best]), *known))
+        frame = pd.DataFrame(rows, columns=["variable", "state", "gait", "given", "probability", "count", "rows"])
         return frame.astype({"count": "Int64", "rows": "Int64"})
 
     def rows(self, gait: str | None = None) -> pd.DataFrame:

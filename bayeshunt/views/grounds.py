@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from bayeshunt.core.units import label, length
+from bayeshunt.core.units import degrees, label, length
 
 if TYPE_CHECKING:
     from bayeshunt.models.body.forward import ForwardModel
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 NO_COUNTS = "an imported network carries no counts"
 #: Where the low end of P(best gait) is below, the answer is not sure; from here on it is sure.
 _UNSURE, _SURE = 0.5, 0.95
+#: What a babbled row measured, in the order of every display.
+_MEASURED: dict[str, Callable[[float], str]] = {"distance": length, "angle": degrees, "heading": degrees}
 _NO_CHANCE = "the target itself has probability 0"
 #: What the tables of a model that depends on the gait before are, unless it is asked for those after a gait.
 SUMMED_OVER = "The gait before is summed over; model.after(gait) has the tables after one gait, with their counts."
@@ -26,6 +29,16 @@ def rows(support: Any) -> str:
     if pd.isna(support):
         return "unknown"
     return f"{int(support)} babbling {'row' if support == 1 else 'rows'}"
+
+
+def babbled(found: pd.DataFrame, most: int) -> tuple[list[str], list[list[str]]]:
+    """Return column names and the first ``most`` babbled rows in words, a list each: label, distance, angle, heading.
+
+    A column that the rows lack is left out.
+    """
+    columns = [name for name in _MEASURED if name in found]
+    lines = [[str(at), *(_MEASURED[c](float(row[c])) for c in columns)] for at, row in found.head(most).iterrows()]
+    return ["row", *columns], lines
 
 
 def support(answer: Posterior) -> str:

@@ -6,9 +6,10 @@ from typing import Any
 
 import pandas as pd
 
-from bayeshunt.core.units import degrees, label, length, true_minus
+from bayeshunt.core.units import label, true_minus
 from bayeshunt.episodes.tracing import trace_answer
 from bayeshunt.models.body.posterior import Posterior
+from bayeshunt.views import grounds
 from bayeshunt.views.pages.page import number
 
 __all__ = ["opened"]
@@ -51,9 +52,5 @@ def _counts(answer: Posterior, variable: str) -> list[int]:
 
 def _rows(frame: pd.DataFrame) -> dict[str, Any]:
     """The first rows in words, and how many there are."""
-    columns = [name for name in ("distance", "angle", "heading") if name in frame]
-    lines = []
-    for at, row in frame.head(_MOST_ROWS).iterrows():
-        values = [(name, float(row[name])) for name in columns]
-        lines.append([str(at), *(true_minus(length(v) if name == "distance" else degrees(v)) for name, v in values)])
-    return {"columns": ["row", *columns], "lines": lines, "count": len(frame)}
+    columns, lines = grounds.babbled(frame, _MOST_ROWS)
+    return {"columns": columns, "lines": [[at, *map(true_minus, said)] for at, *said in lines], "count": len(frame)}

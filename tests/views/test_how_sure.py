@@ -1,8 +1,10 @@
 """How sure an answer is, beside every probability: card, text, terminal and JSON."""
 
+import dataclasses
 import json
 import math
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -76,8 +78,26 @@ def test_the_cell_that_matters_most_is_drawn_first_and_opens_its_rows(khepera_fr
     part = html.split("Which cell matters most")[1]
     ends = sorted((first["best_at_low"], first["best_at_high"]))
     assert f"{ends[0]:.3f} to {ends[1]:.3f}, {first['count']} rows" in part.split("</summary>")[1]
-    gait = first["given"].removeprefix("Gait = ")
-    rows = model.rows(first["variable"], first["state"], gait)
+    rows = model.rows(first["variable"], first["state"], first["gait"])
     assert f">{rows.index[0]}</th>" in part.split("</details>")[0]
     assert f"Where P({answer.best}) comes from" in html
     assert bh.trace(answer).formula.split(" = ")[1][:8] in html.split("comes from")[1]
+
+
+def test_a_gait_with_a_comma_in_its_name_opens_its_rows(khepera_frame, khepera_model):
+    shipped = bh.load_robot("khepera").gaits
+    named = {gait.name: f"{gait.name}, Gait = fast" for gait in shipped}
+    gaits = dataclasses.replace(shipped, gaits=tuple(bh.Gait(named[gait.name], gait.command) for gait in shipped))
+    frame = khepera_frame.assign(gait=khepera_frame["gait"].map(named))
+    model = bh.ForwardModel.fit(frame, gaits, 0.1)
+    answer = bh.InverseModel(model).posterior(0.16, -0.35)
+    first = answer.sensitivity().iloc[0]
+    opened = answer._repr_html_().split("Which cell matters most")[1].split("</details>")[0]
+    rows = model.rows(first["variable"], first["state"], first["gait"])
+    assert "holds no rows" not in opened
+    assert (f">{rows.index[0]}</th>" if len(rows) else "No row fell into this cell.") in opened
+    first_of_all = bh.hunt("paper", bh.make_planner("planning", khepera_model), seed=3).situations[0]
+    plan = bh.make_planner("planning", model).plan(first_of_all, rng=np.random.default_rng(0))
+    found = bh.trace(plan, model=model)
+    assert set(found.cells["gait"]) == set(plan.gaits)
+    assert plan.gait in str(found)

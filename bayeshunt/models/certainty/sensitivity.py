@@ -39,7 +39,9 @@ def sensitivity(source: TableSource, bins: dict[str, int], best: int, level: flo
     return frame.sort_values("effect", ascending=False, kind="stable", ignore_index=True)
 
 
-_COLUMNS = ("variable", "state", "given", "count", "probability", "low", "high", "best_at_low", "best_at_high")
+_COLUMNS = (
+    "variable", "state", "gait", "given", "count", "probability", "low", "high", "best_at_low", "best_at_high",
+)  # fmt: skip
 
 
 def _moved(source: TableSource, others: list[Factor], part: Factor, best: int, level: float) -> list[dict[str, Any]]:
@@ -79,12 +81,13 @@ def _best(rest: np.ndarray, part: Factor, place: tuple[int, ...], value: float, 
 
 
 def _names(source: TableSource, part: Factor, own: tuple[int, ...]) -> dict[str, Any]:
-    """A cell in words: its variable, its state, and the states of the parents."""
+    """A cell in words: its variable, its state, its gait ("" of a table without one), and the states of the parents."""
     states, parents = source.states, source.structure.parents(part.variable)
     left = iter(own[1:])
     bins = [part.fixed[p] if p in part.fixed else next(left) for p in parents]
-    given = ", ".join(f"{p} = {states[p][i]}" for p, i in zip(parents, bins, strict=True))
-    return {"variable": part.variable, "state": states[part.variable][own[0]], "given": given}
+    at = {part.variable: states[part.variable][own[0]], **{p: states[p][i] for p, i in zip(parents, bins, strict=True)}}
+    given = ", ".join(f"{p} = {at[p]}" for p in parents)
+    return {"variable": part.variable, "state": at[part.variable], "gait": at.get("Gait", ""), "given": given}
 
 
 def _log(table: np.ndarray) -> np.ndarray:

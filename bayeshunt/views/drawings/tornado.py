@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import pandas as pd
 
-from bayeshunt.core.units import degrees, label, length, true_minus
+from bayeshunt.core.units import label, true_minus
 from bayeshunt.models.body.posterior import Posterior
+from bayeshunt.views import grounds
 from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, fold, row, table, tag
 
@@ -49,17 +49,15 @@ def _bar(cell: dict[Any, Any], point: float) -> Html:
 
 def _rows(answer: Posterior, cell: dict[Any, Any]) -> Html:
     """The babbled rows that the cell counts, where the model holds them."""
-    model, named = answer.model, re.search(r"(?:^|, )Gait = (.*?)(?:, |$)", str(cell["given"]))
-    gait = named.group(1) if named else ""
-    if not (model.has_counts and len(model.data)) or gait not in model.gaits.names:
+    model = answer.model
+    if not (model.has_counts and len(model.data)):
         return tag("div", "The model holds no rows; model.with_data(frame) gives it its own again.", class_="bh-note")
-    found = model.rows(str(cell["variable"]), str(cell["state"]), gait)
+    if not cell["gait"]:
+        return tag("div", "Rows are shown of one gait; this cell counts those of every gait.", class_="bh-note")
+    found = model.rows(str(cell["variable"]), str(cell["state"]), str(cell["gait"]))
     if not len(found):
         return tag("div", "No row fell into this cell.", class_="bh-note")
-    lines = [
-        row(str(at), [length(float(one["distance"])), degrees(float(one["angle"])), degrees(float(one["heading"]))])
-        for at, one in found.head(_MOST_ROWS).iterrows()
-    ]
+    columns, lines = grounds.babbled(found, _MOST_ROWS)
     rest = len(found) - len(lines)
     more = tag("div", f"and {rest} more rows", class_="bh-note") if rest else None
-    return tag("div", table(["row", "distance", "angle", "heading"], lines), more)
+    return tag("div", table(columns, (row(at, said) for at, *said in lines)), more)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bayeshunt.core.units import degrees, label, length
+from bayeshunt.core.units import label
 from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
+from bayeshunt.views import grounds
 from bayeshunt.views.sheets.sheet import Note, Part, Sheet, Table
 
 __all__ = ["cell", "plan", "trace"]
@@ -48,13 +49,9 @@ def cell(opened: CellTrace) -> Sheet:
     shown = None
     if opened.model.has_counts and len(opened.model.data):
         rows = opened.rows()
-        columns = [name for name in ("distance", "angle", "heading") if name in rows]
-        lines = [
-            [str(at), *(length(float(row[c])) if c == "distance" else degrees(float(row[c])) for c in columns)]
-            for at, row in rows.head(_MOST_ROWS).iterrows()
-        ]
+        columns, lines = grounds.babbled(rows, _MOST_ROWS)
         left = len(rows) - len(lines)
-        shown = Table(["row", *columns], lines, left_out=f"and {left} more" if left > 0 else "")
+        shown = Table(columns, lines, left_out=f"and {left} more" if left > 0 else "")
     return Sheet(f"Trace of a cell of P({opened.variable})", "", [("formula", opened.formula)], [shown, note])
 
 
@@ -76,7 +73,7 @@ def plan(opened: PlanTrace) -> Sheet:
     ]
     if opened.model is not None:
         cells = [
-            [c["given"].removeprefix("Gait = "), c["variable"], label(c["state"]), f"{c['probability']:.4g}",
+            [c["gait"], c["variable"], label(c["state"]), f"{c['probability']:.4g}",
              "unknown" if pd.isna(c["count"]) else f"{c['count']} of {c['rows']}"]
             for c in opened.cells.to_dict("records")
         ]  # fmt: skip

@@ -22,7 +22,8 @@ def test_each_cell_moved_by_hand(prior):
     assert len(found) == 2 * len(model.gaits)
     tables = {v: model.cpt(v).loc[answer.evidence[v]] for v in ("Distance", "Angle")}
     for row in found.to_dict("records"):
-        gait, variable = row["given"].removeprefix("Gait = "), row["variable"]
+        gait, variable = row["gait"], row["variable"]
+        assert row["given"] == f"Gait = {gait}"
         assert row["state"] == answer.evidence[variable]
         assert row["count"] == model.counts(variable).loc[row["state"], gait]
         assert row["count"] == len(model.rows(variable, row["state"], gait))
@@ -44,3 +45,16 @@ def test_every_cell_of_any_structure_holds_the_best_between_its_ends(structure):
     assert (ends.min(axis=1) <= best + 1e-9).all()
     assert (ends.max(axis=1) >= best - 1e-9).all()
     assert found["effect"].iloc[0] > 0
+
+
+def test_the_gait_of_a_cell_is_its_own_whatever_the_table():
+    rows = babbled(120, seed=4)
+    rows["previous_gait"] = rows["gait"].shift(1)
+    axes, known = small_axes(3, 4, 4), {"gait_prior": "empirical", "structure": "previous_gait"}
+    model = bh.ForwardModel.fit(rows, repertoire(), 0.3, axes=axes, **known)
+    found = bh.InverseModel(model).posterior(0.15, 0.4).sensitivity()
+    of = dict(iter(found.groupby("variable")))
+    assert list(of["Gait"]["gait"]) == list(of["Gait"]["state"])
+    assert set(of["PreviousGait"]["gait"]) == {""}
+    for row in of["Angle"].to_dict("records"):
+        assert f"Gait = {row['gait']}" in row["given"].split(", ")
