@@ -204,9 +204,9 @@ class Posterior(NamedTuple):
         """Return which table cells the answer hangs on: a row per cell, largest effect first.
 
         Each cell is moved to the ends of its own credible interval (that of ``model.table``), the others held.
-        Columns: variable, state, gait ("" where the table has none), given (the parents' states): the cell; count: its
-        rows; probability, low, high: the cell and its interval; best_at_low, best_at_high: P(best gait) with the cell
-        there; effect: their difference.
+        Columns: variable, state, gait (missing where the table has none), given (the parents' states): the cell;
+        count: its rows; probability, low, high: the cell and its interval; best_at_low, best_at_high: P(best gait)
+        with the cell there; effect: their difference.
 
         Raises InputError for an imported network, whose counts nobody knows, and for a level outside (0, 1).
         """

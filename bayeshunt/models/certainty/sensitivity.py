@@ -81,13 +81,13 @@ def _best(rest: np.ndarray, part: Factor, place: tuple[int, ...], value: float, 
 
 
 def _names(source: TableSource, part: Factor, own: tuple[int, ...]) -> dict[str, Any]:
-    """A cell in words: its variable, its state, its gait ("" of a table without one), and the states of the parents."""
+    """A cell in words: its variable, its state, its gait (None of a table without one), the states of the parents."""
     states, parents = source.states, source.structure.parents(part.variable)
     left = iter(own[1:])
     bins = [part.fixed[p] if p in part.fixed else next(left) for p in parents]
     at = {part.variable: states[part.variable][own[0]], **{p: states[p][i] for p, i in zip(parents, bins, strict=True)}}
     given = ", ".join(f"{p} = {at[p]}" for p in parents)
-    return {"variable": part.variable, "state": at[part.variable], "gait": at.get("Gait", ""), "given": given}
+    return {"variable": part.variable, "state": at[part.variable], "gait": at.get("Gait"), "given": given}
 
 
 def _log(table: np.ndarray) -> np.ndarray:

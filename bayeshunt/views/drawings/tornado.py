@@ -52,7 +52,7 @@ def _rows(answer: Posterior, cell: dict[Any, Any]) -> Html:
     model = answer.model
     if not (model.has_counts and len(model.data)):
         return tag("div", "The model holds no rows; model.with_data(frame) gives it its own again.", class_="bh-note")
-    if not cell["gait"]:
+    if pd.isna(cell["gait"]):
         return tag("div", "Rows are shown of one gait; this cell counts those of every gait.", class_="bh-note")
     found = model.rows(str(cell["variable"]), str(cell["state"]), str(cell["gait"]))
     if not len(found):
