@@ -76,9 +76,10 @@ def assess(
             structures=structure or None, permutations=permutations,
         )  # fmt: skip
     if out is not None:
-        from bayeshunt.views.figures.assessment import write
+        from bayeshunt.views.figures.assessment import reliability
+        from bayeshunt.views.figures.style import write
 
-        write(result, out)
+        write(reliability(result), out)
     if csv is not None:
         _write_tables(result, csv)
     if as_json:
@@ -168,9 +169,10 @@ def score(
     if out is not None:
         write_text(out, table.to_csv(index=False))
     if figure is not None:
-        from bayeshunt.views.figures import scores
+        from bayeshunt.views.figures.scores import forward_scores
+        from bayeshunt.views.figures.style import write
 
-        scores.write(scores.forward_scores(table), figure)
+        write(forward_scores(table), figure)
     if as_json:
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return

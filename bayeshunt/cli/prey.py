@@ -114,9 +114,10 @@ def score(
         write_text(out, table.to_csv(index=False))
     unit = "m" if "unit" not in frame or frame["unit"].isna().all() else str(frame["unit"].dropna().iloc[0])
     if figure is not None:
-        from bayeshunt.views.figures import scores
+        from bayeshunt.views.figures.scores import prey_scores
+        from bayeshunt.views.figures.style import write
 
-        scores.write(scores.prey_scores(table, unit), figure)
+        write(prey_scores(table, unit), figure)
     if as_json:
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return

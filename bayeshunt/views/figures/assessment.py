@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayeshunt.experiments.scores import wilson_interval
-from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.views.figures.style import BAR, CHOSEN, FAINT, INK, LINE, styled
 
@@ -33,15 +31,6 @@ def reliability(assessment: Assessment) -> Figure:
         _draw_reliability(axes, assessment.reliability.query("variable == @variable"), variable)
     top.supxlabel("forecast probability", fontsize=8.5)
     _draw_gains(bottom.subplots(), assessment.structures)
-    return figure
-
-
-@styled
-def write(assessment: Assessment, path: Path) -> Figure:
-    """Write :func:`reliability` as a .png (200 dots per inch) or .svg file, replaced atomically; returns it."""
-    figure, kind = reliability(assessment), path.suffix[1:].lower()
-    with replace_atomically(path) as temporary:
-        figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
     return figure
 
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.views.figures.style import CHOSEN, FAINT, LINE, shorten, styled
 
-__all__ = ["forward_scores", "prey_scores", "write"]
+__all__ = ["forward_scores", "prey_scores"]
 
 #: Models that learn no table.
 _BASELINES = ("stays", "unicycle", "stands", "constant_velocity", "constant_velocity_noise", "autoregression")
@@ -51,13 +48,6 @@ def prey_scores(table: pd.DataFrame, unit: str) -> Figure:
     right.set_xlabel(f"error of the last step, FDE [{unit}]")
     left.set_title(f"{int(table['n'].max())} windows of {int(table['individuals'].max())} individuals; bars: 95 %")
     return figure
-
-
-def write(figure: Figure, path: Path) -> None:
-    """Write a figure as a .png (200 dots per inch) or .svg file, replaced atomically."""
-    kind = path.suffix[1:].lower()
-    with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "bayeshunt"}), replace_atomically(path) as temporary:
-        figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
 
 
 def _dots(axes: Axes, table: pd.DataFrame, mean: str, low: str, high: str) -> None:

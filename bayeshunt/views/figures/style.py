@@ -79,7 +79,7 @@ def save(figure: Figure, folder: str | os.PathLike[str], name: str) -> list[Path
 
 
 def write(figure: Figure, path: Path) -> None:
-    """Write ``figure`` as the ending of its name says, ".png" or ".svg", replaced atomically."""
+    """Write ``figure`` as the ending of its name says, ".png" (200 dots per inch) or ".svg", replaced atomically."""
     kind = path.suffix.lower().removeprefix(".")
     with mpl.rc_context(_STYLE), replace_atomically(path) as temporary:
         figure.savefig(temporary, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
