@@ -7,7 +7,7 @@ import contextlib
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,41 +38,31 @@ def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False
 
 def out_figure(help_text: str) -> Any:
     """Return an option that names a figure to write: its ending says of which kind, and is needed."""
-    return typer.Option(help=help_text, callback=_checked_figure)
+    return typer.Option(help=help_text, callback=_of_kinds(".png", ".svg"))
 
 
 def out_map(help_text: str) -> Any:
     """Return an option, ``--map``, that names a page or a figure to write."""
-    return typer.Option("--map", help=help_text, callback=_checked_map)
-
-
-def _checked_map(context: typer.Context, path: Path | None) -> Path | None:
-    if path is not None and not context.resilient_parsing:
-        _check_file(path)
-        if path.suffix.lower() not in (".html", ".png", ".svg"):
-            raise InputError(f"{path}: expected a file name that ends in .html, .png or .svg")
-    return path
-
-
-def _checked_figure(context: typer.Context, path: Path | None) -> Path | None:
-    if path is not None and not context.resilient_parsing:
-        _check_file(path)
-        if path.suffix.lower() not in (".png", ".svg"):
-            raise InputError(f"{path}: expected a file name that ends in .png or .svg")
-    return path
+    return typer.Option("--map", help=help_text, callback=_of_kinds(".html", ".png", ".svg"))
 
 
 def out_film(help_text: str) -> Any:
     """Return an option that names a film to write: its ending says of which kind, and is needed."""
-    return typer.Option(help=help_text, callback=_checked_film)
+    return typer.Option(help=help_text, callback=_of_kinds(".gif", ".mp4"))
 
 
-def _checked_film(context: typer.Context, path: Path | None) -> Path | None:
-    if path is not None and not context.resilient_parsing:
-        _check_file(path)
-        if path.suffix.lower() not in (".gif", ".mp4"):
-            raise InputError(f"{path}: expected a file name that ends in .gif or .mp4")
-    return path
+def _of_kinds(*endings: str) -> Callable[[typer.Context, Path | None], Path | None]:
+    """A check of a file to write whose name ends in one of these."""
+    *others, last = endings
+
+    def checked(context: typer.Context, path: Path | None) -> Path | None:
+        if path is not None and not context.resilient_parsing:
+            _check_file(path)
+            if path.suffix.lower() not in endings:
+                raise InputError(f"{path}: expected a file name that ends in {', '.join(others)} or {last}")
+        return path
+
+    return checked
 
 
 Video = Annotated[
@@ -82,10 +72,10 @@ Video = Annotated[
 
 def write_film(episode: Any, path: Path) -> str:
     """Write the film of an episode; return a line that says so."""
-    from bayeshunt.views.figures.film import film
+    from bayeshunt.views.figures.film import SPEED, film
 
     film(episode, path)
-    return f"{path}: {path.stat().st_size / 1e6:.1f} MB, four times as fast as it was"
+    return f"{path}: {path.stat().st_size / 1e6:.1f} MB, {SPEED:g} times as fast as it was"
 
 
 def out_folder(help_text: str) -> Any:

@@ -1,5 +1,6 @@
 """A hunt as a film."""
 
+import matplotlib as mpl
 import pytest
 from PIL import Image
 
@@ -36,3 +37,11 @@ def test_an_mp4_needs_ffmpeg_and_says_so(episode, tmp_path, monkeypatch):
     with pytest.raises(bh.InputError, match=r"needs ffmpeg.*hunt\.gif"):
         film(episode, tmp_path / "hunt.mp4")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_mp4_leaves_the_settings_of_matplotlib_as_they_were(episode, tmp_path):
+    pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed (extra: film)")
+    before = dict(mpl.rcParams)
+    film(episode, tmp_path / "hunt.mp4", speed=20)
+    assert (tmp_path / "hunt.mp4").stat().st_size > 1000
+    assert dict(mpl.rcParams) == before

@@ -22,12 +22,14 @@ from bayeshunt.files.atomic import check_path, replace_atomically
 from bayeshunt.views.figures.hunts import draw_place, path_of, reach_of
 from bayeshunt.views.figures.style import HUNTER, PREY
 
-__all__ = ["film"]
+__all__ = ["SPEED", "film"]
 
+#: A film is so many times as fast as the hunt was, unless another speed is asked for.
+SPEED = 4.0
 _RATE = 12  # frames per second
 
 
-def film(episode: Episode, path: str | os.PathLike[str], *, speed: float = 4.0) -> None:
+def film(episode: Episode, path: str | os.PathLike[str], *, speed: float = SPEED) -> None:
     """Write a hunt seen from above as a film, replaced atomically.
 
     path: ends in ``.gif`` (made with pillow) or ``.mp4`` (needs ffmpeg). speed: so many times as fast as it was, > 0.
@@ -36,7 +38,7 @@ def film(episode: Episode, path: str | os.PathLike[str], *, speed: float = 4.0) 
     """
     check_positive(speed, "speed", "times as fast")
     target = Path(check_path(path, "the name of a film to write", InputError))
-    writer, frame = _writer(target), episode.frame
+    (writer, program), frame = _writer(target), episode.frame
     if frame.empty:
         raise InputError("nothing to show: the hunt ended before its first decision")
     figure = Figure(figsize=(4.8, 4.8), dpi=100)
@@ -53,7 +55,7 @@ def film(episode: Episode, path: str | os.PathLike[str], *, speed: float = 4.0) 
     title = figure.text(0.03, 0.94, "", fontsize=10)
     planner, gaits, starts = episode.provenance["planner"], frame["gait"].tolist(), frame["time"].to_numpy()
     shown = np.append(np.arange(0.0, times[-1], speed / _RATE), [times[-1]] * _RATE)  # the end stays for a second
-    with replace_atomically(target) as temporary:
+    with mpl.rc_context(program), replace_atomically(target) as temporary:
         named = temporary.with_suffix(target.suffix.lower())
         try:
             with writer.saving(figure, str(named), 100):
@@ -72,10 +74,11 @@ def film(episode: Episode, path: str | os.PathLike[str], *, speed: float = 4.0) 
             named.unlink(missing_ok=True)
 
 
-def _writer(target: Path) -> Any:
+def _writer(target: Path) -> tuple[Any, Any]:
+    """What writes a film of this name, and the setting of matplotlib that it needs while it does."""
     kind = target.suffix.lower()
     if kind == ".gif":
-        return PillowWriter(fps=_RATE)
+        return PillowWriter(fps=_RATE), {}
     if kind != ".mp4":
         raise InputError(f"{target}: expected a film's name that ends in .gif or .mp4")
     program = shutil.which("ffmpeg")
@@ -85,5 +88,4 @@ def _writer(target: Path) -> Any:
         program = imageio_ffmpeg.get_ffmpeg_exe()
     if program is None:
         raise InputError(f"{target}: an MP4 needs ffmpeg, which is not installed; name it {target.with_suffix('.gif')}")
-    mpl.rcParams["animation.ffmpeg_path"] = program
-    return FFMpegWriter(fps=_RATE)
+    return FFMpegWriter(fps=_RATE), {"animation.ffmpeg_path": program}
