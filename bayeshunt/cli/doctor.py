@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
-import platform
 import re
 import time
 from collections.abc import Callable, Iterator
@@ -40,13 +38,15 @@ class Need(NamedTuple):
 
 def needs() -> Iterator[Need]:
     """Yield every package that the installed bayeshunt names, extras for its own developers left out."""
-    for line in importlib.metadata.requires("bayeshunt") or ():
+    from importlib import metadata
+
+    for line in metadata.requires("bayeshunt") or ():
         found = _REQUIREMENT.match(line)
         if found is None or (found["extra"] or "") in _OWN:
             continue
         try:
-            version = importlib.metadata.version(found["name"])
-        except importlib.metadata.PackageNotFoundError:
+            version = metadata.version(found["name"])
+        except metadata.PackageNotFoundError:
             version = None
         yield Need(found["name"], found["range"].strip("() "), found["extra"] or "", version)
 
@@ -118,16 +118,19 @@ def doctor(as_json: Json = False) -> None:
 
     Example:  bayeshunt doctor;  bayeshunt doctor --json > doctor.json
     """
+    import platform
+    from importlib import metadata
+
     found = list(needs())
     tried = list(self_test())
     missing = [need.name for need in found if not need.extra and need.version is None]
     failed = [f"{name}: {wrong}" for name, _, wrong in tried if wrong is not None]
     facts = {
-        "bayeshunt": importlib.metadata.version("bayeshunt"), "python": platform.python_version(),
+        "bayeshunt": metadata.version("bayeshunt"), "python": platform.python_version(),
         "system": platform.platform(), "packages": {n.name: n.version for n in found if not n.extra},
         "extras": _extras(found), "self_test": [{"step": s, "seconds": round(t, 2), "error": w} for s, t, w in tried],
     }  # fmt: skip
-    typer.echo(json.dumps(facts) if as_json else _page(facts))
+    typer.echo(json.dumps(facts) if as_json else _page(facts, {need.name: need.range for need in found}))
     if missing or failed:
         raise BayesHuntError("; ".join([*(f"{name} is not installed" for name in missing), *failed]))
 
@@ -141,10 +144,10 @@ def _extras(found: list[Need]) -> dict[str, list[str]]:
     return extras
 
 
-def _page(facts: dict[str, Any]) -> str:
-    """The facts as a page of text."""
+def _page(facts: dict[str, Any], ranges: dict[str, str]) -> str:
+    """The facts as a page of text; ranges: versions that may serve, by package."""
     lines = [f"bayeshunt {facts['bayeshunt']}, Python {facts['python']}, {facts['system']}", ""]
-    lines += [f"  {name:<18} {version or 'MISSING'}" for name, version in facts["packages"].items()]
+    lines += [f"  {name:<18} {version or 'MISSING':<12} {ranges[name]}" for name, version in facts["packages"].items()]
     lines += ["", 'Extras, each installed by  pip install ".[NAME]"  in the project\'s folder']
     lines += [
         f"  {name:<18} {'lacks ' + ', '.join(lacks) if lacks else 'ready'}" for name, lacks in facts["extras"].items()
