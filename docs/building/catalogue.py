@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from functools import cache
 from typing import Any
 
 import gallery
@@ -12,7 +13,6 @@ from texts import escaped, first_line, plain
 import bayeshunt as bh
 
 STAR = ("", " \\*")
-_MODELS: list[Any] = []
 
 
 def pages() -> dict[str, Any]:
@@ -98,15 +98,20 @@ def planners_page() -> tuple[str, dict[str, bytes]]:
 def hunt_of(name: str) -> Any:
     """The picture of one hunt."""
     from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
-    from bayeshunt.experiments.protocol import learn_model
     from bayeshunt.views.figures.hunts import hunts
 
-    settings = bh.load_experiment("paper")
-    if not _MODELS:
-        _MODELS.append(learn_model(settings, 0))
-    rooms = learn_rooms(settings, [name], {"walled": settings.arenas["walled"]}, 0, _MODELS[0])
-    planner = prepare_planner(name, _MODELS[0], settings, rooms, "walled")
+    settings, model = bh.load_experiment("paper"), paper_model()
+    rooms = learn_rooms(settings, [name], {"walled": settings.arenas["walled"]}, 0, model)
+    planner = prepare_planner(name, model, settings, rooms, "walled")
     return hunts([bh.hunt(settings, planner, arena="walled", theta=4.0, seed=8)])
+
+
+@cache
+def paper_model() -> Any:
+    """The model of preset ``paper``, seed 0."""
+    from bayeshunt.experiments.protocol import learn_model
+
+    return learn_model(bh.load_experiment("paper"), 0)
 
 
 def drawn(key: str, draw: Any) -> bytes | None:
@@ -137,7 +142,7 @@ def prey_page() -> str:
     """Behaviours of prey."""
     from bayeshunt.worlds.prey import behaviours
 
-    rows = [f"| `{name}` | {first_line(kind)} |" for name, kind in behaviours._BEHAVIOURS.items()]
+    rows = [f"| `{name}` | {first_line(kind)} |" for name, kind in behaviours.behaviours().items()]
     return "\n".join(
         [
             "# Prey",

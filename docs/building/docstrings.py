@@ -6,10 +6,10 @@ import re
 from typing import Any
 
 from griffe import Class, Extension, Function, Object
+from texts import without_roles
 
 __all__ = ["HouseStyle", "as_markdown"]
 
-_ROLE = re.compile(r":[a-z]+:`~?\.?([^`]+)`")
 _ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*): (.*)$")
 
 
@@ -17,7 +17,7 @@ def as_markdown(text: str, names: set[str]) -> str:
     """Return a docstring whose lines "name: meaning" of these names are list items."""
     lines: list[str] = []
     inside = False
-    for line in _ROLE.sub(r"`\1`", text).splitlines():
+    for line in without_roles(text).splitlines():
         entry = _ENTRY.match(line)
         if entry and {name.strip("* ") for name in entry[1].split(",")} <= names:
             if not inside:

@@ -23,7 +23,6 @@ LAYERS = {
     "experiments": "evaluations and studies",
     "config": "settings",
     "views": "pages and widgets",
-    "envs": "Gymnasium and PettingZoo",
 }
 
 
@@ -76,6 +75,7 @@ def commands() -> Iterator[tuple[str, Any]]:
     """Every command of the command line with its name as typed."""
     import typer
 
+    import bayeshunt.cli  # noqa: F401  (its commands)
     from bayeshunt.cli.app import app
 
     def walk(name: str, command: Any) -> Iterator[tuple[str, Any]]:
@@ -83,7 +83,6 @@ def commands() -> Iterator[tuple[str, Any]]:
         for child in getattr(command, "commands", {}).values():
             yield from walk(f"{name} {child.name}", child)
 
-    __import__("bayeshunt.cli")
     yield from walk("bayeshunt", typer.main.get_command(app))
 
 

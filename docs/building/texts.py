@@ -10,10 +10,15 @@ from typing import Any
 _ROLE = re.compile(r":[a-z]+:`~?\.?([^`]+)`")
 
 
+def without_roles(text: str) -> str:
+    """Text whose roles, :func:`name` and the like, are code."""
+    return _ROLE.sub(r"`\1`", text)
+
+
 def first_line(thing: Any) -> str:
     """The first line of its docstring, fit for a cell of a table."""
     line = (inspect.getdoc(thing) or "").splitlines()[:1]
-    return _ROLE.sub(r"`\1`", line[0] if line else "").replace("|", "\\|")
+    return without_roles(line[0] if line else "").replace("|", "\\|")
 
 
 def escaped(text: str) -> str:
@@ -23,4 +28,4 @@ def escaped(text: str) -> str:
 
 def plain(text: str) -> str:
     """A docstring's text as Markdown."""
-    return _ROLE.sub(r"`\1`", textwrap.dedent(text)).replace("``", "`")
+    return without_roles(textwrap.dedent(text)).replace("``", "`")
