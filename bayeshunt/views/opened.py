@@ -36,7 +36,6 @@ def opened(answer: Posterior, *, rows: bool = True) -> dict[str, Any]:
         "states": ["", *(true_minus(label(state)) for state in answer.cell.evidence.values())],
         "factors": [[number(v) for v in factors[column].tolist()] for column in factors],
         "counts": counts,
-        "evidence": number(answer.evidence_probability),
         "best": answer.best,
         "rows": [_rows(found.rows(variable)) for variable in variables] if held else None,
     }

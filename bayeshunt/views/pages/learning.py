@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,6 @@ def learning_html(learning: Learning) -> str:
     return render(
         "learning.html.j2", ["page.css", "learning.css"], ["learning.js"],
         title=f"Learning from {len(learning):,} rows", gaits=len(learning.gaits), data=embed(learning_data(learning)),
-        version=version("bayeshunt"),
     )  # fmt: skip
 
 
@@ -50,7 +48,6 @@ def learning_data(learning: Learning) -> dict[str, Any]:
             {"name": name, "labels": [true_minus(label(text)) for text in axes[name].labels]} for name in EFFECTS
         ],
         "rows": cells.ravel().tolist(),
-        "width": number(axes.distance.width),
         "at": at,
         "curves": [{"name": k, "at": n, "values": [number(v, 5) for v in values]} for k, (n, values) in curves.items()],
         "next": [[number(v, 4) for v in values] for values in bits],

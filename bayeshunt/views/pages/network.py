@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from itertools import groupby
 from typing import Any
 
@@ -24,7 +23,6 @@ def network_html(network: Network) -> str:
         title="Bayesian network: " + (", ".join(network.nodes) if len(network.nodes) < 6 else described(network)),
         subtitle=f"{described(network)}; click a state and every other node answers",
         data=embed(network_data(network)),
-        version=version("bayeshunt"),
     )
 
 

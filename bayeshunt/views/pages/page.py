@@ -12,6 +12,7 @@ import json
 import math
 from functools import cache
 from importlib import resources
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from bayeshunt.views import theme
@@ -25,7 +26,8 @@ _VIEWS = resources.files("bayeshunt") / "views"
 def render(template: str, styles: list[str], scripts: list[str], **values: Any) -> str:
     """Return a page made of a template in ``templates/`` and of style and script files in ``assets/``.
 
-    The template finds ``style``, ``script`` and ``policy`` (its Content-Security-Policy) beside ``values``.
+    The template finds ``style``, ``script``, ``policy`` (its Content-Security-Policy) and ``version`` (of the package)
+    beside ``values``.
     """
     from markupsafe import Markup
 
@@ -36,7 +38,8 @@ def render(template: str, styles: list[str], scripts: list[str], **values: Any) 
         "img-src data:; base-uri 'none'; form-action 'none'"
     )
     page = _environment().get_template(template)
-    return page.render(policy=policy, style=Markup(style), script=Markup(script), **values)
+    made = {"policy": policy, "style": Markup(style), "script": Markup(script), "version": version("bayeshunt")}
+    return page.render(**made, **values)
 
 
 def embed(data: Any) -> Any:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from importlib.metadata import version
 from itertools import groupby
 from typing import Any
 
@@ -28,6 +27,7 @@ from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.views import grounds
 from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.commands import hunt_command
@@ -71,7 +71,7 @@ def replay_html(episode: Any, *, model: ForwardModel | None = None, source: Sequ
     title = f"{hunts[0]['title']}: {hunts[0]['outcome']}" if len(hunts) == 1 else f"{len(hunts)} hunts in step"
     return render(
         "replay.html.j2", ["page.css", *STYLES], [*SCRIPTS, "replay.js"],
-        hunts=hunts, title=title, data=[embed(hunt) for hunt in hunts], version=version("bayeshunt"),
+        hunts=hunts, title=title, data=[embed(hunt) for hunt in hunts],
     )  # fmt: skip
 
 
@@ -103,9 +103,11 @@ def replay_data(
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]
     before = [None, *(row["gait"] for row in records)]
+    asks = any(row["posterior"] is not None for row in records)
+    inverse = InverseModel(model) if asks and model is not None else None
     steps = [
         {
-            **_step(row, settings, model, previous),
+            **_step(row, settings, model, inverse, previous),
             "realised": realised(row, episode, settings.robot.gait_duration),
             "considered": considered(row, model, previous) if nodes else None,
         }
@@ -144,7 +146,11 @@ def _trail(episode: Episode, every: int) -> dict[str, list[Any]]:
 
 
 def _step(
-    row: dict[str, Any], settings: ExperimentSettings, model: ForwardModel | None, previous: str | None
+    row: dict[str, Any],
+    settings: ExperimentSettings,
+    model: ForwardModel | None,
+    inverse: InverseModel | None,
+    previous: str | None,
 ) -> dict[str, Any]:
     """Everything that the panels and the canvas show of one decision."""
     hunter = Pose(*(row[f"hunter_{k}"] for k in Pose._fields))
@@ -156,7 +162,7 @@ def _step(
     if any(cell[3] % 1 for cell in prey_rows):  # expected counts: many cells, most of them hardly likely
         prey_rows = sorted(prey_rows, key=lambda cell: -cell[3])[:_LIKELIEST]
     observed = _polar(row, "observed")
-    answer = asked_again(row, model, previous)
+    answer = asked_again(row, inverse, previous)
     return {
         "number": int(row["step"]), "time": number(row["time"]), "gait": row["gait"],
         "plan": [[gait, len(list(run))] for gait, run in groupby(plan)],

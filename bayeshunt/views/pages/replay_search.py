@@ -33,7 +33,8 @@ def considered(row: dict[str, Any], model: ForwardModel | None, previous: str | 
     at = {name: i for i, name in enumerate(names)}
     ends = np.stack([_known(row, part, len(gaits)) for part in ("forward", "right", "heading")])
     if model is not None and np.isnan(ends[0]).all() and set(names) <= set(model.gaits.names):
-        expected = {name: model.after(previous).predict(name) for name in names}
+        after = model.after(previous)
+        expected = {name: after.predict(name) for name in names}
         ends = np.array([[expected[str(g)].forward, expected[str(g)].right, expected[str(g)].heading] for g in gaits]).T
     flat = [None if v != v else round(v * _TENTHS) for v in ends.T.ravel().tolist()]
     values = [objective(float(value), row["objective"])[0] for value in _known(row, "value", len(gaits))]
@@ -77,12 +78,11 @@ def realised(row: dict[str, Any], episode: Episode, duration: float) -> float | 
     return number(objective(gap, what)[0])
 
 
-def asked_again(row: dict[str, Any], model: ForwardModel | None, previous: str | None) -> Posterior | None:
+def asked_again(row: dict[str, Any], inverse: InverseModel | None, previous: str | None) -> Posterior | None:
     """Return the answer that a decision rests on, asked of the model again; None if it is not the recorded one."""
-    if model is None or row["posterior"] is None or not np.isfinite(row["target_distance"]):
+    if inverse is None or row["posterior"] is None or not np.isfinite(row["target_distance"]):
         return None
-    inverse = InverseModel(model).after(previous)
-    answer = inverse.posterior(float(row["target_distance"]), float(row["target_angle"]))
+    answer = inverse.after(previous).posterior(float(row["target_distance"]), float(row["target_angle"]))
     return answer if np.allclose(answer.values, row["posterior"], atol=1e-9) else None
 
 

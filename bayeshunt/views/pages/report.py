@@ -94,7 +94,7 @@ def report_facts(
     return {
         "title": settings.name, "note": shown.note, "scaled": settings.scaled, "seed": seed, "hunts": len(results),
         "runs": settings.protocol.runs, "limit": settings.protocol.time_limit,
-        "version": version("bayeshunt"), "evaluated_with": results.attrs.get("version", version("bayeshunt")),
+        "evaluated_with": results.attrs.get("version", version("bayeshunt")),
         "totals": [row for row in rows if row["theta"] is None],
         "bearings": [row for row in rows if row["theta"] is not None],
         "looks": list(looks.values()),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
-
 from bayeshunt.views.pages.page import render
 from bayeshunt.views.sheets.sheet import Sheet
 
@@ -14,6 +12,4 @@ def sheet_html(sheet: Sheet) -> str:
     """Return a self-contained page that shows a sheet."""
     from markupsafe import Markup
 
-    return render(
-        "sheet.html.j2", ["page.css"], [], title=sheet.title, card=Markup(sheet.html()), version=version("bayeshunt")
-    )
+    return render("sheet.html.j2", ["page.css"], [], title=sheet.title, card=Markup(sheet.html()))
