@@ -19,7 +19,7 @@ from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.views.figures.hunts import hunts
 from bayeshunt.views.figures.style import save
-from bayeshunt.views.pages.page import asset, embed
+from bayeshunt.views.pages.page import embed
 
 IMAGES = Path(__file__).parent / "images"
 #: Planners of the figure of hunts, and the hunt that all of them get.
@@ -87,7 +87,7 @@ def draw_explorer(browser: Browser, model: bh.ForwardModel, folder: Path) -> Non
     (folder / "explorer.html").write_text(
         f"<!doctype html><meta charset='utf-8'><style>{bh.Explorer._css}</style><div id='place'></div>"
         f"<script type='application/json' id='values'>{embed(json.loads(json.dumps(values)))}</script>"
-        f"<script type='text/plain' id='widget'>{asset('units.js')}{asset('trace.js')}{asset('explorer.js')}</script>"
+        f"<script type='text/plain' id='widget'>{bh.Explorer._esm}</script>"
         f"<script>{_STAND_IN}</script>",
         encoding="utf-8",
     )

@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.views.pages.page import asset
 from bayeshunt.views.pages.replay import write_replay
 
 pytestmark = pytest.mark.slow
@@ -49,7 +48,7 @@ def page_of_cards(things) -> str:
 def page_of_explorer(model) -> str:
     explorer = bh.Explorer(model)
     state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
-    script = "".join(map(asset, ("units.js", "trace.js", "explorer.js"))).replace("export default", "const explorer =")
+    script = explorer._esm.replace("export default", "const explorer =")
     place = f"<title>x</title><style>{explorer._css}</style><body><main><h1>x</h1><div id=place></div></main>"
     return f"{BARE}{place}{WIDGET.format(state=json.dumps(state), script=script)}</body></html>"
 

@@ -7,7 +7,6 @@ import json
 import pytest
 
 import bayeshunt as bh
-from bayeshunt.views.pages.page import asset
 
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 
@@ -23,9 +22,7 @@ explorer.render({{model, el: document.getElementById("place")}});</script>"""
 def page(open_page, model, tmp_path):
     explorer = bh.Explorer(model, distance=0.1, angle=0.5)
     state = {name: getattr(explorer, name) for name in ("distance", "angle", "_scene", "_answer")}
-    script = (asset("units.js") + asset("trace.js") + asset("explorer.js")).replace(
-        "export default", "const explorer ="
-    )
+    script = explorer._esm.replace("export default", "const explorer =")
     text = PAGE.format(state=json.dumps(state), script=script) + f"<style>{explorer._css}</style>"
     (tmp_path / "page.html").write_text(text, encoding="utf-8")
     page, watch = open_page(tmp_path / "page.html", viewport={"width": 360, "height": 800})

@@ -170,3 +170,17 @@ def test_a_value_opens_to_the_sequences_under_its_gait(page_of, planned):
     panel = page.get_by_role("region", name="Where a number comes from")
     best = float(panel.locator("tbody tr").first.locator("td").inner_text())
     assert best == pytest.approx(1000 * planned.plans[0].value, rel=1e-3)
+
+
+def test_a_decision_without_alternatives_leaves_no_path_of_the_one_before(page_of, planned):
+    page, watch = page_of(planned, "#d=3")
+    told = page.evaluate(
+        """() => {
+          const [box, picture, readout] = ["icicle-box", "icicle", "icicle-words"].map((name) => document.querySelector(`[data-part=${name}]`));
+          const told = [], icicle = new Icicle({ box, picture, readout }, (...heard) => told.push(heard));
+          icicle.load(null, () => "");
+          return told;
+        }"""  # noqa: E501
+    )
+    assert told == [[[], 0]]
+    assert watch.errors == []

@@ -1,24 +1,8 @@
 /* The explorer in the browser: draws the scene and the answer, and tells Python where the target is.
-   After units.js. Screen: the robot faces up, metres to the right and ahead; angles are clockwise from ahead. */
+   After dom.js, units.js and trace.js. Screen: the robot faces up, metres to the right and ahead; angles are clockwise
+   from ahead. */
 
-const SVG = "http://www.w3.org/2000/svg";
 const SIZE = 400;
-
-function shape(name, attributes, parent) {
-  const node = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  if (parent) parent.append(node);
-  return node;
-}
-
-function element(name, text, className, parent) {
-  const node = document.createElement(name);
-  if (text !== undefined) node.textContent = text;
-  if (className) node.className = className;
-  if (parent) parent.append(node);
-  return node;
-}
-
 
 /* Pixels and metres: the robot is in the middle of the picture. */
 class Plane {
@@ -143,29 +127,29 @@ function drawField(svg, plane) {
 }
 
 function buildSide(side, scene, open) {
-  element("p", "P(Gait | Distance, Angle)", "title", side);
-  const table = element("table", undefined, "gaits", side);
+  element("p", { class: "title" }, side, "P(Gait | Distance, Angle)");
+  const table = element("table", { class: "gaits" }, side);
   const rows = scene.gaits.map((gait) => {
-    const row = element("tr", undefined, "", table), head = element("th", undefined, "", row);
-    const button = element("button", gait, "plain", head);
+    const row = element("tr", {}, table), head = element("th", {}, row);
+    const button = element("button", { class: "plain" }, head, gait);
     button.type = "button";
     button.title = `${gait}: where this number comes from`;
     button.addEventListener("click", () => open(gait));
     head.scope = "row";
-    const track = element("td", undefined, "bar", row);
-    const bar = element("div", undefined, "", track), whisker = element("span", undefined, "whisker", track);
-    return { row, bar, whisker, value: element("td", "", "value", row), within: element("td", "", "within", row) };
+    const track = element("td", { class: "bar" }, row);
+    const bar = element("div", {}, track), whisker = element("span", { class: "whisker" }, track);
+    return { row, bar, whisker, value: element("td", { class: "value" }, row), within: element("td", { class: "within" }, row) };
   });
-  const list = element("dl", undefined, "", side);
+  const list = element("dl", {}, side);
   // an imported network has learned nothing: its cells are those of positive probability
   const cell = scene.counted ? "learned cell" : "cell used";
   const facts = Object.fromEntries(["target", "learned cell", "P(evidence)", "support", ...(scene.counted ? ["how sure"] : [])].map((name) => {
-    element("dt", name === "learned cell" ? cell : name, "", list);
-    const value = element("dd", "", "", list);
+    element("dt", {}, list, name === "learned cell" ? cell : name);
+    const value = element("dd", {}, list);
     value.dataset.fact = name;
     return [name, value];
   }));
-  const legend = element("ul", undefined, "legend", side);
+  const legend = element("ul", { class: "legend" }, side);
   const marks = {
     "target": '<circle class="target-grip" cx="10" cy="6" r="5"/>',
     [scene.counted ? "learned cell used" : cell]: '<rect class="cell" x="5" y="1.5" width="10" height="9"/>',
@@ -174,11 +158,11 @@ function buildSide(side, scene, open) {
     "predicted outcome": '<rect class="outcome" x="4" y="1" width="12" height="10" fill-opacity="0.45"/>',
   };
   for (const [name, mark] of Object.entries(marks)) {
-    const item = element("li", undefined, "", legend);
+    const item = element("li", {}, legend);
     item.innerHTML = `<svg viewBox="0 0 20 12" aria-hidden="true">${mark}</svg>`; // constants of this file alone
     item.append(name);
   }
-  element("p", "Drag the target, or focus the picture and use the arrow keys (with shift: larger steps).", "help", side);
+  element("p", { class: "help" }, side, "Drag the target, or focus the picture and use the arrow keys (with shift: larger steps).");
   return (answer, distance, angle) => {
     rows.forEach(({ row, bar, whisker, value, within }, i) => {
       const probability = answer.probabilities[i];
@@ -201,10 +185,10 @@ function buildSide(side, scene, open) {
 
 function render({ model, el }) {
   const scene = model.get("_scene"), plane = new Plane(scene);
-  const root = element("div", undefined, "bh-explorer", el);
+  const root = element("div", { class: "bh-explorer" }, el);
   const svg = shape("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, tabindex: 0, role: "application" }, root);
-  const side = element("div", undefined, "side", root);
-  const status = element("p", undefined, "spoken", root); // one line: to hear the whole panel at each step is too much
+  const side = element("div", { class: "side" }, root);
+  const status = element("p", { class: "spoken" }, root); // one line: to hear the whole panel at each step is too much
   status.setAttribute("role", "status");
   const field = drawField(svg, plane), trace = new TracePanel(root);
   const tell = buildSide(side, scene, (gait) => trace.open(model.get("_answer").opened, gait));

@@ -5,14 +5,6 @@
 
 const ROW = 26, TALLEST = 180; // pixels of one level and of all, at most
 
-function svgNode(name, attributes, parent, text) {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  if (text !== undefined) node.textContent = text;
-  if (parent) parent.append(node);
-  return node;
-}
-
 /* The nodes as a tree: those of a trace that is none are put below the runs of their sequences. */
 function growTree(nodes) {
   const tree = [{ label: "now", node: -1, children: [], above: -1 }], placed = new Map(), groups = new Map();
@@ -53,9 +45,16 @@ function growTree(nodes) {
   return tree;
 }
 
+/* The tree of a step's nodes, which several ask for in turn: the last one is kept. */
+const grown = { nodes: null, tree: null };
+function treeOf(nodes) {
+  if (nodes !== grown.nodes) Object.assign(grown, { nodes, tree: growTree(nodes) });
+  return grown.tree;
+}
+
 /* Least and greatest value among the sequences that begin with each gait. */
 function spreads(nodes) {
-  const tree = growTree(nodes), found = new Map();
+  const tree = treeOf(nodes), found = new Map();
   tree.forEach((item, i) => {
     if (!i || item.node < 0 || nodes.value[item.node] === null) return;
     let first = i;
@@ -85,9 +84,12 @@ class Icicle {
     this.nodes = nodes;
     this.words = words;
     this.held = null;
-    this.tree = nodes && nodes.gait.length ? growTree(nodes) : null;
+    this.tree = nodes && nodes.gait.length ? treeOf(nodes) : null;
     this.box.hidden = !this.tree;
-    if (!this.tree) return;
+    if (!this.tree) {
+      this.told([], 0); // no path is left of the step before
+      return;
+    }
     const known = nodes.value.filter((value) => value !== null);
     [this.low, this.high] = [Math.min(...known), Math.max(...known)];
     const chosen = new Set(nodes.chosen);
@@ -154,11 +156,11 @@ class Icicle {
       const x = item.from * unit, y = item.depth * row, wide = item.width * unit;
       const lit = this.lit.has(i), share = lit ? 1 : this.share(item.node);
       const box = { x: x.toFixed(1), y: y.toFixed(1), width: Math.max(wide - (wide > 4 ? 1 : 0), 0.5).toFixed(1), height: (row - 1).toFixed(1) };
-      const rect = svgNode("rect", { ...box, class: lit ? "lit" : "", "fill-opacity": share.toFixed(2), "data-at": i }, picture);
+      const rect = shape("rect", { ...box, class: lit ? "lit" : "", "fill-opacity": share.toFixed(2), "data-at": i }, picture);
       const letters = Math.floor((wide - 6) / 6.2);
       if (letters > 2) {
         const text = item.label.length > letters ? `${item.label.slice(0, letters - 1)}…` : item.label;
-        svgNode("text", { x: (x + 4).toFixed(1), y: (y + row / 2 + 4).toFixed(1), class: share > 0.85 ? "on" : "" }, picture, text);
+        shape("text", { x: (x + 4).toFixed(1), y: (y + row / 2 + 4).toFixed(1), class: share > 0.85 ? "on" : "" }, picture, text);
       }
       return rect;
     });

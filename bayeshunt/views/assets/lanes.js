@@ -56,12 +56,12 @@ class Lanes {
     picture.style.height = `${height}px`;
     picture.replaceChildren();
     this.words = this.lanes.map((name, k) => {
-      svgNode("rect", { class: "lane", x: GUTTER, y: k * LANE + 3, width: this.width, height: LANE - 6 }, picture);
+      shape("rect", { class: "lane", x: GUTTER, y: k * LANE + 3, width: this.width, height: LANE - 6 }, picture);
       const label = this[name](k * LANE + 5, LANE - 10);
-      svgNode("text", { class: "name", x: 0, y: k * LANE + LANE / 2 + 4 }, picture, label);
-      return svgNode("text", { x: GUTTER + this.width + 6, y: k * LANE + LANE / 2 + 4 }, picture);
+      shape("text", { class: "name", x: 0, y: k * LANE + LANE / 2 + 4 }, picture, label);
+      return shape("text", { x: GUTTER + this.width + 6, y: k * LANE + LANE / 2 + 4 }, picture);
     });
-    this.now = svgNode("line", { class: "playhead", y1: 0, y2: height }, picture);
+    this.now = shape("line", { class: "playhead", y1: 0, y2: height }, picture);
     if (this.last) this.show(...this.last);
   }
 
@@ -92,7 +92,7 @@ class Lanes {
     const { steps, colours } = this.hunt;
     steps.forEach((step, i) => {
       const x = this.x(step.time), width = Math.max(this.until(i) - x - 1, 1);
-      const rect = svgNode("rect", { class: "gait", x, y: top, width, height }, this.picture);
+      const rect = shape("rect", { class: "gait", x, y: top, width, height }, this.picture);
       if (colours[step.gait]) rect.style.fill = `var(--bh-${colours[step.gait]})`;
     });
     return "gait";
@@ -101,7 +101,7 @@ class Lanes {
   distance(top, height) {
     const { time } = this.hunt.trail, most = Math.max(...this.distances);
     const points = this.distances.map((d, i) => `${this.x(time[i])},${(top + height * (1 - d / most)).toFixed(1)}`);
-    svgNode("polyline", { class: "distance", points: points.join(" ") }, this.picture);
+    shape("polyline", { class: "distance", points: points.join(" ") }, this.picture);
     return "distance";
   }
 
@@ -111,9 +111,9 @@ class Lanes {
     const y = (value) => (top + 3 + (height - 6) * (1 - value / most)).toFixed(1);
     for (const step of known) {
       const x = this.x(step.time);
-      svgNode("line", { class: "promised", x1: x, x2: x, y1: y(step.value), y2: y(step.realised) }, this.picture);
-      svgNode("circle", { class: "came", cx: x, cy: y(step.realised), r: 2.5 }, this.picture);
-      svgNode("circle", { class: "promised", cx: x, cy: y(step.value), r: 3 }, this.picture);
+      shape("line", { class: "promised", x1: x, x2: x, y1: y(step.value), y2: y(step.realised) }, this.picture);
+      shape("circle", { class: "came", cx: x, cy: y(step.realised), r: 2.5 }, this.picture);
+      shape("circle", { class: "promised", cx: x, cy: y(step.value), r: 3 }, this.picture);
     }
     return "○ plan ● real";
   }
@@ -125,7 +125,7 @@ class Lanes {
       const y = (top + height * (1 - bits / most)).toFixed(1);
       points.push(`${this.x(this.hunt.steps[i].time)},${y}`, `${this.until(i)},${y}`);
     });
-    svgNode("polyline", { class: "doubt", points: points.join(" ") }, this.picture);
+    shape("polyline", { class: "doubt", points: points.join(" ") }, this.picture);
     return "prey table";
   }
 }

@@ -4,26 +4,12 @@
   const data = JSON.parse(document.getElementById("data").textContent), total = data.rows.length / 4;
   const parts = Object.fromEntries([...document.querySelectorAll("[data-part]")].map((node) => [node.dataset.part, node]));
   const ink = (name) => getComputedStyle(document.body).getPropertyValue(`--bh-${name}`).trim();
-  const add = (name, parent, text) => {
-    const node = document.createElement(name);
-    if (text !== undefined) node.textContent = text;
-    parent.append(node);
-    return node;
-  };
-  const svg = (name, attributes, parent) => {
-    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-    parent.append(node);
-    return node;
-  };
   const G = data.gaits.length;
   let counts, totals, shown = 0, playing = 0;
 
   const heats = data.tables.map(({ name, labels }, t) => {
-    add("h3", parts.tables, name);
-    const canvas = add("canvas", parts.tables);
-    canvas.className = "heat";
-    canvas.setAttribute("role", "img");
+    element("h3", {}, parts.tables, name);
+    const canvas = element("canvas", { class: "heat", role: "img" }, parts.tables);
     [canvas.width, canvas.height] = [labels.length, G];
     canvas.addEventListener("pointermove", (event) => {
       const box = canvas.getBoundingClientRect(), bin = Math.floor(((event.clientX - box.left) / box.width) * labels.length);
@@ -35,12 +21,12 @@
   });
 
   const curves = data.curves.map(({ name, at, values }) => {
-    const head = add("h3", parts.curves, name), picture = svg("svg", { viewBox: "0 0 100 40", preserveAspectRatio: "none", "aria-hidden": "true" }, parts.curves);
+    const head = element("h3", {}, parts.curves, name), picture = shape("svg", { viewBox: "0 0 100 40", preserveAspectRatio: "none", "aria-hidden": "true" }, parts.curves);
     const [low, high] = [Math.min(...values), Math.max(...values)];
     const y = (value) => 38 - (36 * (value - low)) / Math.max(high - low, 1e-12), x = (n) => (100 * (n - 1)) / Math.max(total - 1, 1);
-    svg("line", { class: "axis", x1: 0, x2: 100, y1: 39, y2: 39 }, picture);
-    svg("polyline", { points: at.map((n, i) => `${x(n).toFixed(2)},${y(values[i]).toFixed(2)}`).join(" ") }, picture);
-    const now = svg("line", { y1: 0, y2: 40 }, picture);
+    shape("line", { class: "axis", x1: 0, x2: 100, y1: 39, y2: 39 }, picture);
+    shape("polyline", { points: at.map((n, i) => `${x(n).toFixed(2)},${y(values[i]).toFixed(2)}`).join(" ") }, picture);
+    const now = shape("line", { y1: 0, y2: 40 }, picture);
     return (n) => {
       const i = Math.max(0, at.findLastIndex((m) => m <= n));
       head.textContent = `${name}: ${Number(values[i].toPrecision(4))} after ${at[i]} rows`;
@@ -50,10 +36,9 @@
   });
 
   const bars = data.gaits.map((gait) => {
-    const row = add("tr", parts.next), head = add("th", row, gait), cell = add("td", row), bar = add("div", cell);
+    const row = element("tr", {}, parts.next), head = element("th", {}, row, gait), bar = element("div", {}, element("td", { class: "bar" }, row));
     head.scope = "row";
-    cell.className = "bar";
-    return { row, bar, value: add("td", row) };
+    return { row, bar, value: element("td", {}, row) };
   });
 
   /* Count on from where we are; from the start if that is behind us. */

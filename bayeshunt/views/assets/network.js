@@ -1,26 +1,10 @@
-/* The whole network as an instrument, after network_engine.js: every node with prior and posterior; a click sets
-   evidence, a second gesture a likelihood; edges as wide as their ends have to say of each other. */
+/* The whole network as an instrument, after dom.js and network_engine.js: every node with prior and posterior; a click
+   sets evidence, a second gesture a likelihood; edges as wide as their ends have to say of each other. */
 
-const SVG_SPACE = "http://www.w3.org/2000/svg";
 const LIST_UP_TO = 12; // states written one below the other; more stand side by side
 const EXPLAINED_UP_TO = 10; // nodes
 const SOFTER = 3; // how much more probable a second gesture makes what was seen in a state
 const WIDE = 212, NARROW = 140, GAP = 16;
-
-function part(name, attributes, parent, text) {
-  const node = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  if (text !== undefined) node.textContent = text;
-  if (parent) parent.append(node);
-  return node;
-}
-
-function drawn(name, attributes, parent) {
-  const node = document.createElementNS(SVG_SPACE, name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
-  parent.append(node);
-  return node;
-}
 
 const share = (p) => (p === 0 ? "0" : p < 0.0005 ? "<.001" : p > 0.9995 && p < 1 ? ">.999" : p.toFixed(3));
 const said = (p) => (p >= 0.001 ? p.toPrecision(4) : p.toExponential(3)).replace("-", "−");
@@ -138,41 +122,41 @@ class NetworkView {
   build() {
     const { root, data } = this;
     root.classList.add("bh-network");
-    const top = part("div", { class: "top" }, root);
-    const stage = part("div", { class: "stage", role: "region", tabindex: 0, "aria-label": "The network" }, root);
-    const plane = part("div", { class: "plane" }, stage), side = part("div", { class: "side" }, root);
-    const svg = drawn("svg", { class: "edges", "aria-hidden": "true" }, plane);
-    const tips = drawn("marker", { id: "bh-tip", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 11, markerHeight: 11,
-      markerUnits: "userSpaceOnUse", orient: "auto" }, drawn("defs", {}, svg));
-    drawn("path", { class: "tip", d: "M0 0L8 4L0 8z" }, tips);
-    this.edges = this.net.edges.map(() => drawn("path", { class: "edge", "marker-end": "url(#bh-tip)" }, svg));
+    const top = element("div", { class: "top" }, root);
+    const stage = element("div", { class: "stage", role: "region", tabindex: 0, "aria-label": "The network" }, root);
+    const plane = element("div", { class: "plane" }, stage), side = element("div", { class: "side" }, root);
+    const svg = shape("svg", { class: "edges", "aria-hidden": "true" }, plane);
+    const tips = shape("marker", { id: "bh-tip", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 11, markerHeight: 11,
+      markerUnits: "userSpaceOnUse", orient: "auto" }, shape("defs", {}, svg));
+    shape("path", { class: "tip", d: "M0 0L8 4L0 8z" }, tips);
+    this.edges = this.net.edges.map(() => shape("path", { class: "edge", "marker-end": "url(#bh-tip)" }, svg));
     this.columns = columnsOf(data.nodes);
     this.cards = [];
     for (const node of this.columns.flat()) this.cards[node] = this.card(node, plane);
     this.parts = { stage, plane, svg };
     this.buildTop(top);
     this.buildSide(side);
-    this.parts.status = part("p", { class: "spoken", role: "status" }, root);
+    this.parts.status = element("p", { class: "spoken", role: "status" }, root);
     root.addEventListener("keydown", (event) => this.key(event));
   }
 
   card(node, plane) {
     const { labels, name, parents } = this.data.nodes[node], listed = labels.length <= LIST_UP_TO;
-    const box = part("section", { class: `node ${listed ? "listed" : "columns"}`, "aria-label": name }, plane);
-    const head = part("button", { type: "button", class: "name", title: `Ask about ${name}` }, box, name);
+    const box = element("section", { class: `node ${listed ? "listed" : "columns"}`, "aria-label": name }, plane);
+    const head = element("button", { type: "button", class: "name", title: `Ask about ${name}` }, box, name);
     const from = parents.length ? `from ${parents.map((parent) => this.nameOf(parent)).join(", ")}` : "";
-    if (from) part("p", { class: "from" }, box, from);
+    if (from) element("p", { class: "from" }, box, from);
     const prefix = `bh-${node}-${Math.random().toString(36).slice(2, 8)}`;
-    const list = part("div", { class: "states", role: "listbox", tabindex: 0, "aria-label": name,
+    const list = element("div", { class: "states", role: "listbox", tabindex: 0, "aria-label": name,
       "aria-orientation": listed ? "vertical" : "horizontal" }, box);
     const options = labels.map((label, state) => {
-      const option = part("div", { class: "state", role: "option", id: `${prefix}-${state}`, "aria-selected": "false" }, list);
-      if (listed) part("span", { class: "label" }, option, label);
-      const track = part("span", { class: "track" }, option);
-      const ghost = part("span", { class: "ghost" }, track), bar = part("span", { class: "bar" }, track);
-      return { option, ghost, bar, value: listed ? part("span", { class: "value" }, option) : null };
+      const option = element("div", { class: "state", role: "option", id: `${prefix}-${state}`, "aria-selected": "false" }, list);
+      if (listed) element("span", { class: "label" }, option, label);
+      const track = element("span", { class: "track" }, option);
+      const ghost = element("span", { class: "ghost" }, track), bar = element("span", { class: "bar" }, track);
+      return { option, ghost, bar, value: listed ? element("span", { class: "value" }, option) : null };
     });
-    const readout = listed ? null : part("p", { class: "readout" }, box);
+    const readout = listed ? null : element("p", { class: "readout" }, box);
     const card = { box, head, list, options, readout, active: mostOf(this.prior.marginals[node]) };
     head.addEventListener("click", () => this.ask(node));
     this.gestures(node, card);
@@ -340,32 +324,32 @@ class NetworkView {
 
   buildTop(top) {
     const { parts } = this;
-    parts.total = part("p", { class: "total" }, top);
-    parts.known = part("ul", { class: "chips", "aria-label": "What is known" }, top);
-    parts.clear = part("button", { type: "button", class: "clear" }, top, "Clear all");
+    parts.total = element("p", { class: "total" }, top);
+    parts.known = element("ul", { class: "chips", "aria-label": "What is known" }, top);
+    parts.clear = element("button", { type: "button", class: "clear" }, top, "Clear all");
     parts.clear.addEventListener("click", () => this.clear(this.known.map((_, i) => i)));
   }
 
   buildSide(side) {
     const { parts } = this;
-    parts.askedTitle = part("h2", {}, side);
-    parts.asked = part("p", {}, side);
-    parts.edges = part("ul", { class: "facts" }, side);
+    parts.askedTitle = element("h2", {}, side);
+    parts.asked = element("p", {}, side);
+    parts.edges = element("ul", { class: "facts" }, side);
     if (this.data.nodes.length <= EXPLAINED_UP_TO) {
-      parts.worthTitle = part("h2", {}, side);
-      parts.worth = part("ul", { class: "facts" }, side);
-      part("h2", {}, side, "Most probable explanation");
-      parts.best = part("ul", { class: "facts" }, side);
+      parts.worthTitle = element("h2", {}, side);
+      parts.worth = element("ul", { class: "facts" }, side);
+      element("h2", {}, side, "Most probable explanation");
+      parts.best = element("ul", { class: "facts" }, side);
     }
-    const legend = part("ul", { class: "legend" }, side);
+    const legend = element("ul", { class: "legend" }, side);
     for (const [mark, words] of [["ghost", "before any evidence"], ["bar", "now"], ["evidence", "known"], ["blanket", "Markov blanket of what is asked"],
       ["apart", "says nothing of what is asked"], ["wide", "wider edge: more bits in common"]]) {
-      const item = part("li", {}, legend);
-      part("i", { class: mark }, item);
+      const item = element("li", {}, legend);
+      element("i", { class: mark }, item);
       item.append(words);
     }
-    part("p", { class: "help" }, side, "Click a state: it is known. Shift and click, or a long press: it was perceived, three times as probable there as elsewhere. Click a name: ask about it.");
-    part("p", { class: "help" }, side, "Keys: Tab to a node, arrows to a state, Enter known, L likelihood, A ask, Delete open again, Esc clear all.");
+    element("p", { class: "help" }, side, "Click a state: it is known. Shift and click, or a long press: it was perceived, three times as probable there as elsewhere. Click a name: ask about it.");
+    element("p", { class: "help" }, side, "Keys: Tab to a node, arrows to a state, Enter known, L likelihood, A ask, Delete open again, Esc clear all.");
   }
 
   showSide() {
@@ -377,8 +361,8 @@ class NetworkView {
     parts.clear.hidden = parts.known.hidden = !any;
     parts.known.replaceChildren(...known.flatMap((state, node) => {
       if (state < 0 && !soft[node]) return [];
-      const item = part("li", {}), words = `${this.nameOf(node)} ${state >= 0 ? `= ${this.labelOf(node, state)}` : `≈ ${this.labelOf(node, soft[node].indexOf(Math.max(...soft[node])))}`}`;
-      const button = part("button", { type: "button", "aria-label": `Take back ${words}` }, item, `${words} ×`);
+      const item = element("li", {}), words = `${this.nameOf(node)} ${state >= 0 ? `= ${this.labelOf(node, state)}` : `≈ ${this.labelOf(node, soft[node].indexOf(Math.max(...soft[node])))}`}`;
+      const button = element("button", { type: "button", "aria-label": `Take back ${words}` }, item, `${words} ×`);
       button.addEventListener("click", () => this.clear([node]));
       return [item];
     }));
@@ -406,9 +390,9 @@ class NetworkView {
 
   facts(list, pairs) {
     list.replaceChildren(...pairs.map(([name, value]) => {
-      const item = part("li", {});
-      part("span", {}, item, name);
-      part("b", {}, item, value);
+      const item = element("li", {});
+      element("span", {}, item, name);
+      element("b", {}, item, value);
       return item;
     }));
   }

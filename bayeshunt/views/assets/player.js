@@ -7,22 +7,15 @@ const SPEEDS = [0.5, 1, 2, 4, 8, 16];
 
 const polar = (pose) => `${length(pose[0])} at ${degrees(pose[1])}`;
 
-function element(name, text, className) {
-  const node = document.createElement(name);
-  if (text !== undefined) node.textContent = text;
-  if (className) node.className = className;
-  return node;
-}
-
 function sayThere(body, words) {
-  body.append(element("p", words, "formula"));
+  body.append(element("p", { class: "formula" }, null, words));
 }
 
 function fillFacts(list, pairs) {
   list.replaceChildren(...pairs.flatMap(([term, value, key]) => {
-    const detail = element("dd", value);
+    const detail = element("dd", {}, null, value);
     detail.dataset.fact = key;
-    return [element("dt", term), detail];
+    return [element("dt", {}, null, term), detail];
   }));
 }
 
@@ -253,7 +246,7 @@ class Player {
       `P(in view) ${belief.inView.toFixed(2)}.`;
     this.parts.belief.replaceChildren(...belief.table.map(([ring, sector, p, sightings]) => {
       const line = element("tr");
-      line.append(...[ring, sector, p.toFixed(3), sightings.toFixed(1)].map((text) => element("td", text)));
+      line.append(...[ring, sector, p.toFixed(3), sightings.toFixed(1)].map((text) => element("td", {}, null, text)));
       return line;
     }));
   }
@@ -265,14 +258,14 @@ class Player {
     this.parts["bars-caption"].textContent = table.caption + (sure ? `; 95 % interval of ${step.gait}: ${sure[2]}` : "");
     const draw = posterior ? this.bar(table) : this.dot(step);
     bars.replaceChildren(...table.gaits.map((gait, i) => {
-      const row = element("tr"), head = element("th"), open = element("button", gait, "plain");
+      const row = element("tr"), head = element("th"), open = element("button", { class: "plain" }, null, gait);
       head.scope = "row";
       head.append(open);
       open.type = "button";
       open.title = `${gait}: where this number comes from`;
       open.addEventListener("click", () => this.openNumber(step, gait));
       const value = table.values[i];
-      row.append(head, ...draw(gait, i), element("td", posterior ? value.toFixed(3) : String(Number(value.toPrecision(4)))));
+      row.append(head, ...draw(gait, i), element("td", {}, null, posterior ? value.toFixed(3) : String(Number(value.toPrecision(4)))));
       if (gait === step.gait) {
         row.className = "chosen";
         row.setAttribute("aria-current", "true");
@@ -288,7 +281,7 @@ class Player {
       sayThere(body, `At ${step.time.toFixed(3)} s the prey is seen ${polar(step.seen)}. ${step.objective}: ${step.value}; decided for ${step.gait}, of ${step.nodes}.`);
     } };
     if (step.opened) return this.trace.open(step.opened, gait, [decision]);
-    const nodes = step.considered, tree = nodes ? growTree(nodes) : [], rows = [];
+    const nodes = step.considered, tree = nodes ? treeOf(nodes) : [], rows = [];
     tree.forEach((item, i) => {
       const path = [];
       for (let at = i; at > 0; at = tree[at].above) path.unshift(tree[at].label);
@@ -306,11 +299,11 @@ class Player {
   /* Cells of a probability: a bar with the whisker of its interval. */
   bar(table) {
     return (gait, i) => {
-      const cell = element("td", undefined, "bar"), bar = element("div");
+      const cell = element("td", { class: "bar" }), bar = element("div");
       bar.style.width = `${100 * table.values[i]}%`;
       cell.append(bar);
       if (table.within) {
-        const [low, high, words] = table.within[i], whisker = element("span", undefined, "whisker");
+        const [low, high, words] = table.within[i], whisker = element("span", { class: "whisker" });
         whisker.style.left = `${100 * low}%`;
         whisker.style.width = `${100 * (high - low)}%`;
         cell.title = `95 % interval ${words}`;
@@ -329,7 +322,7 @@ class Player {
     const wide = Math.max(high - low, 1e-12), spread = step.considered ? spreads(step.considered) : new Map();
     const unit = unitOf(step.objective), place = (value) => Math.min(100, (100 * Math.abs(value - best)) / wide);
     return (gait, i) => {
-      const cell = element("td", undefined, "dots"), line = element("span", undefined, "spread"), mark = element("i");
+      const cell = element("td", { class: "dots" }), line = element("span", { class: "spread" }), mark = element("i");
       const [from, to] = spread.get(gait) || [values[i], values[i]];
       line.style.left = `${Math.min(place(from), place(to))}%`;
       line.style.width = `${Math.abs(place(to) - place(from))}%`;
@@ -338,13 +331,13 @@ class Player {
       cell.setAttribute("aria-hidden", "true");
       const off = values[i] - best, more = Number(Math.abs(off).toPrecision(3));
       const words = Math.abs(off) < 1e-9 ? "best" : `${off > 0 ? "+" : "−"}${more}${unit ? ` ${unit}` : ""}`;
-      return [cell, element("td", words, "worse")];
+      return [cell, element("td", { class: "worse" }, null, words)];
     };
   }
 
   showPlan(step) {
     this.parts.sequence.replaceChildren(...step.plan.map(([gait, times], i) => {
-      const item = element("li", times > 1 ? `${gait} × ${times}` : gait);
+      const item = element("li", {}, null, times > 1 ? `${gait} × ${times}` : gait);
       if (!i) item.className = "now";
       return item;
     }));
@@ -382,7 +375,7 @@ class Player {
       const share = `${((100 * row[3]) / total).toFixed(1)} %`;
       const [far, wide, turned] = this.hunt.bins; // a cell is all of its bin, not the middle
       const cells = [range(row[0], far, lengths), range(row[1], wide, angles), range(row[2], turned, angles), String(Number(row[3].toPrecision(3))), share];
-      line.append(...cells.map((text) => element("td", text)));
+      line.append(...cells.map((text) => element("td", {}, null, text)));
       if (i === step.fresh) {
         line.className = "new";
         line.title = "seen in the step just before";

@@ -1,32 +1,24 @@
 /* Where a number comes from: one panel at the side, with a breadcrumb from the number down to the rows. Its contents
-   are those of views/opened.py. Text is set as text, never as markup. */
+   are those of views/opened.py. After dom.js. */
 
 class TracePanel {
   /* place: an element; the panel is put into it and shown when something is opened. */
   constructor(place) {
-    this.panel = this.add("aside", "bh-trace", place);
+    this.panel = element("aside", { class: "bh-trace" }, place);
     this.panel.hidden = true;
     this.panel.setAttribute("role", "region");
     this.panel.setAttribute("aria-label", "Where a number comes from");
-    const head = this.add("div", "head", this.panel);
-    this.crumbs = this.add("ol", "crumbs", this.add("nav", "", head));
+    const head = element("div", { class: "head" }, this.panel);
+    this.crumbs = element("ol", { class: "crumbs" }, element("nav", {}, head));
     this.crumbs.parentElement.setAttribute("aria-label", "Way down to the rows");
-    const close = this.add("button", "close", head, "Close");
+    const close = element("button", { class: "close" }, head, "Close");
     close.type = "button";
     close.addEventListener("click", () => this.close());
-    this.body = this.add("div", "body", this.panel);
+    this.body = element("div", { class: "body" }, this.panel);
     this.panel.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.close();
       event.stopPropagation(); // the keys of what lies behind rest
     });
-  }
-
-  add(name, className, parent, text) {
-    const node = document.createElement(name);
-    if (className) node.className = className;
-    if (text !== undefined) node.textContent = text;
-    parent.append(node);
-    return node;
   }
 
   close() {
@@ -41,7 +33,7 @@ class TracePanel {
     this.panel.hidden = false;
     this.crumbs.replaceChildren();
     levels.forEach(({ title }, i) => {
-      const item = this.add("li", "", this.crumbs), button = this.add("button", "", item, title);
+      const item = element("li", {}, this.crumbs), button = element("button", {}, item, title);
       button.type = "button";
       if (i === levels.length - 1) button.setAttribute("aria-current", "page");
       button.addEventListener("click", () => this.show(levels.slice(0, i + 1)));
@@ -59,11 +51,11 @@ class TracePanel {
     const level = { title: `P(${gait})` };
     level.fill = (body) => {
       const parts = opened.factors.map((values) => digits(values[g])).join(" × ");
-      this.add("p", "formula", body, `P(${gait} | ${opened.variables.slice(1).join(", ")}) = ${parts} / ${digits(whole)} = ${digits(product(g) / whole)}`);
+      element("p", { class: "formula" }, body, `P(${gait} | ${opened.variables.slice(1).join(", ")}) = ${parts} / ${digits(whole)} = ${digits(product(g) / whole)}`);
       this.table(body, ["factor", "P", "rows"], opened.variables.map((_, v) => [
         v ? `P(${named(v)} | ${gait})` : "P(Gait)", digits(opened.factors[v][g]), opened.counts ? String(opened.counts[v][g]) : "unknown",
       ]), (v) => this.show([...before, level, this.cell(opened, v, g, named(v))]));
-      this.add("p", "", body, "Every gait:");
+      element("p", {}, body, "Every gait:");
       this.table(body, ["gait", "product", "share"], opened.gaits.map((name, k) => [name, digits(product(k)), digits(product(k) / whole)]),
         (k) => this.open(opened, opened.gaits[k], before));
     };
@@ -77,32 +69,32 @@ class TracePanel {
       fill: (body) => {
         const gait = opened.gaits[g], count = opened.counts && opened.counts[v][g];
         const total = opened.counts && opened.counts[0][g], p = String(Number(opened.factors[v][g].toPrecision(6)));
-        this.add("p", "formula", body, !opened.counts ? `${p}: given, nobody counted`
+        element("p", { class: "formula" }, body, !opened.counts ? `${p}: given, nobody counted`
           : v ? `${p}: ${count} of ${total} rows of ${gait}` : `${p}: ${count} rows of ${gait}`);
         const rows = opened.rows && gait === opened.best ? opened.rows[v] : null;
         if (!rows) {
-          this.add("p", "", body, opened.counts ? `In Python: model.rows("${v ? opened.variables[v] : "Gait"}", ...) gives them.` : "");
+          element("p", {}, body, opened.counts ? `In Python: model.rows("${v ? opened.variables[v] : "Gait"}", ...) gives them.` : "");
           return;
         }
         this.table(body, rows.columns, rows.lines);
-        if (rows.count > rows.lines.length) this.add("p", "", body, `and ${rows.count - rows.lines.length} more rows`);
+        if (rows.count > rows.lines.length) element("p", {}, body, `and ${rows.count - rows.lines.length} more rows`);
       },
     };
   }
 
   /* A table; act(i), where given, is what a click on the first cell of a row does. */
   table(body, heads, lines, act) {
-    const table = this.add("table", "", body), row = this.add("tr", "", this.add("thead", "", table));
-    for (const head of heads) this.add("th", "", row, head).scope = "col";
-    const rows = this.add("tbody", "", table);
+    const table = element("table", {}, body), row = element("tr", {}, element("thead", {}, table));
+    for (const head of heads) element("th", {}, row, head).scope = "col";
+    const rows = element("tbody", {}, table);
     lines.forEach((cells, i) => {
-      const line = this.add("tr", "", rows);
+      const line = element("tr", {}, rows);
       cells.forEach((cell, k) => {
-        const place = this.add(k ? "td" : "th", "", line, !k && act ? undefined : cell);
+        const place = element(k ? "td" : "th", {}, line, !k && act ? undefined : cell);
         if (k) return;
         place.scope = "row";
         if (!act) return;
-        const button = this.add("button", "", place, cell);
+        const button = element("button", {}, place, cell);
         button.type = "button";
         button.addEventListener("click", () => act(i));
       });

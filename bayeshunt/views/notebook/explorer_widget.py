@@ -38,7 +38,7 @@ class Explorer(anywidget.AnyWidget):
     target; setting them moves it. Raises InputError for a target out of range or another model.
     """
 
-    _esm = asset("units.js") + asset("trace.js") + asset("explorer.js")
+    _esm = asset("dom.js") + asset("units.js") + asset("trace.js") + asset("explorer.js")
     _css = theme.palette(".bh-explorer") + asset("explorer.css") + asset("trace.css")
 
     distance = traitlets.Float(0.10).tag(sync=True)  # metres, >= 0

@@ -23,7 +23,7 @@ class NetworkWidget(anywidget.AnyWidget):
     Raises ImpossibleEvidenceError or InputError for what the network cannot take.
     """
 
-    _esm = asset("network_engine.js") + asset("network.js") + asset("network_widget.js")
+    _esm = asset("dom.js") + asset("network_engine.js") + asset("network.js") + asset("network_widget.js")
     _css = theme.palette(".bh-network") + asset("network.css")
 
     evidence = traitlets.Dict().tag(sync=True)

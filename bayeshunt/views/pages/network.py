@@ -19,7 +19,7 @@ def network_html(network: Network) -> str:
     return render(
         "network.html.j2",
         ["page.css", "network.css"],
-        ["network_engine.js", "network.js", "network_page.js"],
+        ["dom.js", "network_engine.js", "network.js", "network_page.js"],
         title="Bayesian network: " + (", ".join(network.nodes) if len(network.nodes) < 6 else described(network)),
         subtitle=f"{described(network)}; click a state and every other node answers",
         data=embed(network_data(network)),

@@ -37,7 +37,7 @@ from bayeshunt.views.pages.replay_search import asked_again, colours, considered
 
 #: What the player of a hunt is made of, for pages that have one.
 STYLES = ("player.css", "trace.css")
-SCRIPTS = ("units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.js")
+SCRIPTS = ("dom.js", "units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.js")
 
 #: Cells of a table of expected counts that are shown, the likeliest.
 _LIKELIEST = 60
