@@ -3,6 +3,7 @@
 import os
 from operator import itemgetter
 
+import hypothesis
 import pytest
 from joblib.externals.loky import ProcessPoolExecutor
 
@@ -22,6 +23,10 @@ from bayeshunt.worlds.prey import behaviours
 os.environ["COLUMNS"] = "80"
 for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):
     os.environ.pop(name, None)
+
+# A busy machine is no fault of the code: no example is timed.
+hypothesis.settings.register_profile("untimed", deadline=None)
+hypothesis.settings.load_profile("untimed")
 
 
 @pytest.fixture(scope="session")

@@ -52,7 +52,7 @@ def test_cells_and_counts_by_hand() -> None:
     assert joint.support.sum() == 4
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(rows=rows_, seed=st.integers(0, 2**32 - 1))
 def test_order_of_observations_changes_nothing(rows: list[tuple], seed: int) -> None:
     frame = table(rows)
@@ -60,7 +60,7 @@ def test_order_of_observations_changes_nothing(rows: list[tuple], seed: int) -> 
     assert JointCounts.of(frame, GAITS, AXES) == JointCounts.of(shuffled, GAITS, AXES)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(rows=rows_, cuts=st.lists(st.integers(0, 30), max_size=4))
 def test_any_split_merges_to_the_batch(rows: list[tuple], cuts: list[int]) -> None:
     frame = table(rows)

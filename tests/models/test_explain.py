@@ -33,7 +33,7 @@ def check_sums(answer, frame) -> None:
     assert not frame.isna().any().any()
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(seed=st.integers(0, 10**6), distance=st.floats(0, 1), angle=st.floats(-3, 3), heading=st.floats(-3, 3))
 def test_parts_add_up_on_random_networks(seed: int, distance: float, angle: float, heading: float) -> None:
     model = random_model(seed)

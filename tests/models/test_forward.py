@@ -140,7 +140,7 @@ def test_update_leaves_the_old_model_as_it_was(frame: pd.DataFrame) -> None:
     pd.testing.assert_frame_equal(model.counts("Distance"), before)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10**6))
 def test_columns_sum_to_one(seed: int) -> None:
     model = random_model(seed)
@@ -149,7 +149,7 @@ def test_columns_sum_to_one(seed: int) -> None:
     assert full_joint(model).sum() == pytest.approx(1.0, abs=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(order=st.permutations(["a", "b", "c"]))
 def test_order_and_names_of_gaits_are_only_labels(order: list[str]) -> None:
     cells = [*CELLS, ("c", 1, 2, 0)]

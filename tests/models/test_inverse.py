@@ -111,7 +111,7 @@ def test_ties_go_to_the_first() -> None:
     assert same.posterior(0.05, math.pi).best == "b"
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 40),
     targets=st.lists(

@@ -77,7 +77,7 @@ def test_few_cells_in_a_wide_table(distance_bins: int, count: int) -> None:
     check(distance, angle, cells, 1000.0 * d, a)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 1000),
     shape=st.tuples(st.integers(1, 60), st.integers(1, 40)),

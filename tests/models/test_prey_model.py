@@ -93,7 +93,7 @@ def test_headings_average_across_the_seam() -> None:
     assert abs(model.predict(1).heading) == pytest.approx(math.pi, abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(poses=transitions, seed=st.integers(0, 1000), steps=st.integers(0, 12))
 def test_order_of_observations_changes_no_bit(poses: list[Polar], seed: int, steps: int) -> None:
     order = np.random.default_rng(seed).permutation(len(poses))
@@ -107,7 +107,7 @@ def test_order_of_observations_changes_no_bit(poses: list[Polar], seed: int, ste
         assert np.array_equal(drawn.angle, one.sample_paths(3, 4, rng=np.random.default_rng(1)).angle)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(poses=transitions, first=st.integers(0, 6), then=st.integers(0, 6))
 def test_prediction_composes(poses: list[Polar], first: int, then: int) -> None:
     model = seen(*poses)

@@ -34,7 +34,7 @@ def test_rows_equal_counts_for_every_cell(model) -> None:
     check_every_cell(model)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 10**6), rows=st.integers(5, 60))
 def test_rows_equal_counts_on_random_tables(seed: int, rows: int) -> None:
     axes = bh.EffectAxes.standard(0.057, angle_bins=7, heading_bins=5)
