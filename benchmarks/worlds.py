@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 import bayeshunt
-from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.loading import load_experiment, preset_names
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import did_you_mean
 from bayeshunt.episodes.loop import run_hunt
@@ -62,8 +62,8 @@ class World:
         if text in WORLDS:
             return WORLDS[text]
         preset, *parts = text.split(",")
-        if preset not in ("paper", "oses2010", "legs"):
-            raise SystemExit(f"unknown world {text!r}{did_you_mean(text, list(WORLDS))}")
+        if preset not in preset_names():
+            raise SystemExit(f"unknown world {text!r}{did_you_mean(text, [*WORLDS, *preset_names()])}")
         changes = {}
         for key, _, value in (part.partition("=") for part in parts):
             try:
@@ -78,11 +78,6 @@ class World:
         return load_experiment(self.preset, {**self.changes, "protocol.runs": 1})
 
 
-def _noise(slip: float, drift: float) -> dict[str, float]:
-    kinds = {"slip": slip, "drift_sd": drift}
-    return {f"{who}.noise.{kind}": value for who in ("robot", "prey") for kind, value in kinds.items()}
-
-
 _ROOM = {"arenas.walled.width": 2.4, "arenas.walled.height": 2.4}
 WORLDS = {
     world.name: world
@@ -94,7 +89,7 @@ WORLDS = {
         World("straight prey", changes={"prey.behaviour": "straight"}, arenas=("walled",)),
         World("random walk", changes={"prey.behaviour": "random_walk"}, arenas=("walled",)),
         World("prey far, large room", changes={"protocol.prey_distance": 10.0, **_ROOM}, arenas=("walled",)),
-        World("slippery", changes=_noise(0.6, 0.2), arenas=("open",), bound="reference"),
+        World("slippery", "slippery", arenas=("open",), bound="reference"),
         World("prey as fast", changes={"prey.speed": 0.0576}),
     )
 }

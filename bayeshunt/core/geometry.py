@@ -18,7 +18,7 @@ from typing_extensions import TypeVar
 
 from bayeshunt.core.errors import InputError, shown
 
-__all__ = ["FloatArray", "FloatLike", "Polar", "Pose", "in_frame", "wrap"]
+__all__ = ["FloatArray", "FloatLike", "Polar", "Pose", "in_frame", "placed", "wrap"]
 
 FloatArray = NDArray[np.float64]
 #: A float or an array of floats; every function here broadcasts.
@@ -212,6 +212,12 @@ def in_frame(pose: Pose, frame: Pose) -> Pose:
     dx, dy = pose.x - frame.x, pose.y - frame.y
     cos, sin = math.cos(frame.theta), math.sin(frame.theta)
     return Pose(cos * dx + sin * dy, cos * dy - sin * dx, wrap(pose.theta - frame.theta))
+
+
+def placed(pose: Pose, forward: NDArray[Any], right: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
+    """Return x, y [m] of points ``forward`` and ``right`` [m] of a robot at ``pose``, in the frame of that pose."""
+    cos, sin = np.cos(pose.theta), np.sin(pose.theta)
+    return pose.x + cos * forward + sin * right, pose.y + sin * forward - cos * right
 
 
 def _mistaken(name: str, kind: type, value: object) -> InputError:

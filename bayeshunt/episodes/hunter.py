@@ -24,7 +24,7 @@ from bayeshunt.core.messages import Detection, Observation
 from bayeshunt.core.protocols import TargetModel, Tracker
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.core.task import Task
-from bayeshunt.episodes.knowledge import camera_of, known_to
+from bayeshunt.episodes.knowledge import known_to
 from bayeshunt.episodes.perceiver import Perceiver
 from bayeshunt.models.target.registry import COUNTS, is_prey_model, make_prey_model
 from bayeshunt.perception.registry import make_tracker
@@ -75,7 +75,7 @@ class Hunter(Perceiver):
         super().__init__(
             repertoire, _tracker(sensing, repertoire, self.planner), _prey_model(prey_model, model, repertoire),
             Task() if task is None else task, rng=streams["belief"],
-            camera=None if isinstance(sensing, Tracker) else camera_of(_settings(sensing)),
+            camera=None if isinstance(sensing, Tracker) else _settings(sensing).seen_by,
         )  # fmt: skip
         self._rng = streams["planner"]
         self.plan: Plan | None = None

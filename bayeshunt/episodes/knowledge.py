@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from bayeshunt.config.schema.camera import CameraSettings
-from bayeshunt.config.schema.sensing import SensingSettings
 from bayeshunt.perception.setting import KnownWalls
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.asking import Timed
@@ -13,7 +11,7 @@ from bayeshunt.planners.asking import Timed
 if TYPE_CHECKING:
     from bayeshunt.models.target.turns import TurnModel
 
-__all__ = ["NOTHING", "Knowledge", "camera_of", "known_to"]
+__all__ = ["NOTHING", "Knowledge", "known_to"]
 
 
 class Knowledge(NamedTuple):
@@ -36,8 +34,3 @@ def known_to(planner: Planner) -> Knowledge:
         return NOTHING
     walls = getattr(planner, "walls", None)  # of those that know a room
     return Knowledge(planner.prior, walls if isinstance(walls, Walls) else None)
-
-
-def camera_of(sensing: SensingSettings) -> CameraSettings | None:
-    """Return the camera of what is perceived with one; None with another sensor."""
-    return sensing.camera if sensing.sensor == "camera" else None

@@ -19,7 +19,7 @@ from bayeshunt.core.geometry import Polar
 from bayeshunt.core.messages import Moment, Observation, Run
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.core.streams import spawn_streams
-from bayeshunt.episodes.knowledge import NOTHING, Knowledge, camera_of
+from bayeshunt.episodes.knowledge import NOTHING, Knowledge
 from bayeshunt.episodes.perceiver import Perceiver
 from bayeshunt.episodes.trial import Trial
 from bayeshunt.models.target.registry import make_prey_model
@@ -93,7 +93,7 @@ class Pursuit:
         )
         among, radius = settings.arenas[arena].obstacles, 0.5 * settings.robot.body.diameter
         self._perceiver = Perceiver(
-            self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=camera_of(sensing),
+            self.gaits, tracker, model, self.trial.task, rng=streams["belief"], camera=sensing.seen_by,
             map=ForBody(self.trial.world.map, self.trial.start, radius) if told and among else None,
         )  # fmt: skip
         self._run = Run((self.trial.moment,))

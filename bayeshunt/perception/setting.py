@@ -61,10 +61,14 @@ class PerceptionContext:
     walls: KnownWalls | None = None
 
     @property
+    def own_camera(self) -> CameraSettings:
+        """The camera's settings: the defaults where none are given."""
+        return CameraSettings() if self.camera is None else self.camera
+
+    @property
     def target_width(self) -> float:
         """Width of the prey [m]: the camera's setting, or else its body's, the hunter's, a Khepera's."""
-        chosen = None if self.camera is None else self.camera.target_width
-        return chosen or self.prey_length or self.body_length or _KHEPERA
+        return self.own_camera.target_width or self.prey_length or self.body_length or _KHEPERA
 
 
 #: Metres, of a hunter and a prey of which nothing is known.

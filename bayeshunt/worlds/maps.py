@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -107,7 +107,8 @@ class ForBody:
         return self.start.x + cos * x - sin * y, self.start.y + sin * x + cos * y
 
 
+@lru_cache(maxsize=32)
 def map_of(arena: ArenaSettings) -> Map:
-    """Return the map of an arena."""
+    """Return the map of an arena: the same one for the same arena, whose obstacles are then united once."""
     ground: Map = Rectangle(arena.width, arena.height) if arena.walled else OpenMap()
     return Obstructed(ground, arena.obstacles) if arena.obstacles else ground

@@ -112,7 +112,7 @@ def test_pairs_of_mean_paths_follow_the_gait_before(model: ForwardModel, before:
         np.testing.assert_allclose(pairs.end[:2, i, j, 0], [end.forward, end.right], atol=1e-12)
         gap = pairs.end[2, i, j, 0] - float(end.heading)
         assert abs(np.remainder(gap + np.pi, 2 * np.pi) - np.pi) < 1e-12
-        np.testing.assert_allclose(pairs.second[:, i, j, -1, 0], pairs.end[:2, i, j, 0], atol=1e-12)
+        np.testing.assert_allclose(pairs.second[:2, i, j, -1, 0], pairs.end[:2, i, j, 0], atol=1e-12)
     plan = planner.plan(moment(before), rng=np.random.default_rng(0))
     assert plan.trace["hunter_forward"][1:4].tolist() == pairs.first_end[0, :, 0].tolist()
 

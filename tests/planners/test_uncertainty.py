@@ -9,8 +9,9 @@ import bayeshunt as bh
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import Pose
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.lookahead import PairPaths
 from bayeshunt.planners.uncertainty.sampled import Start, sampled_futures
-from bayeshunt.planners.uncertainty.sight import Looks
+from bayeshunt.planners.uncertainty.sight import sight
 
 ROOM = Walls(((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)), (0.5,) * 4, 0.5)
 NARROW = {"sensing.preset": "camera_narrow"}
@@ -41,17 +42,17 @@ def test_a_turn_by_chance_happens_when_it_is_due_in_the_open_and_in_a_room():
 
 
 def test_a_gait_sees_what_its_way_leads_the_camera_past(khepera_model):
-    looks = Looks.of(khepera_model)
+    pairs = PairPaths.mean(khepera_model)
     futures = sampled_futures(start((0.3, 0.0, 0.0), (-0.3, 0.0, 0.0), speed=0.0), Pose(0.0, 0.0, 0.0), None)
     camera = CameraSettings(fov_deg=60, pixels=160, detection=0.9)
-    sight = looks.sight(camera, 2.0, futures)
+    seen = sight(pairs, camera, 2.0, futures)
     names = khepera_model.gaits.names
-    ahead, behind = sight.first[names.index("straight")]
+    ahead, behind = seen.first[names.index("straight")]
     assert ahead == pytest.approx(1 - 0.1**4)
     assert behind == 0.0
-    assert sight.first[names.index("spin left")][1] > 0.5  # it turns round
-    assert (looks.sight(None, math.inf, futures).second == 1.0).all()
-    assert (looks.sight(camera, 0.1, futures).first == 0.0).all()  # beyond its reach
+    assert seen.first[names.index("spin left")][1] > 0.5  # it turns round
+    assert (sight(pairs, None, math.inf, futures).second == 1.0).all()
+    assert (sight(pairs, camera, 0.1, futures).first == 0.0).all()  # beyond its reach
 
 
 def settings(**changes):

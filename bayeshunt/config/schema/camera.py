@@ -79,6 +79,10 @@ class CameraSettings(Settings):
         by_size = self.focal * width / self.least_pixels
         return by_size if self.range is None else min(by_size, self.range)
 
+    def in_view(self, seen: Polar[Any], width: float) -> Any:
+        """Whether a prey ``width`` [m] wide, ``seen`` from here, is in view, hidden or not: bool or array of them."""
+        return (abs(seen.angle) <= 0.5 * self.fov) & (seen.distance <= self.reach(width))
+
     def detection_of(
         self, bearing: float, *, width_px: float | None = None, distance: float | None = None,
         heading: float = math.nan, width: float | None = None,

@@ -36,6 +36,11 @@ class SensingSettings(Settings):
         default_factory=dict, description="settings of the tracker particles or of a registered one"
     )
 
+    @property
+    def seen_by(self) -> CameraSettings | None:
+        """The camera of what is perceived with one; None with another sensor."""
+        return self.camera if self.sensor == _CAMERA else None
+
     @model_validator(mode="before")
     @classmethod
     def _from_preset(cls, values: Any) -> Any:

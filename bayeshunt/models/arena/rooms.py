@@ -59,6 +59,13 @@ class RoomModel(displays.Displayed):
         return cls(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
 
     @classmethod
+    def of(cls, room: RoomModel | str | os.PathLike[str] | None) -> RoomModel:
+        """Return a room as it is, the one of a file, or for None one in which no wall has been met."""
+        if room is None:
+            return cls.empty()
+        return room if isinstance(room, RoomModel) else cls.load(room)
+
+    @classmethod
     @checked
     def fit(cls, track: pd.DataFrame, model: ForwardModel) -> RoomModel:
         """Learn the walls, and the table of free space, from poses while babbling in the arena.

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.core.messages import Detection, Frame, Moment, Observation, Ray, Run
 from bayeshunt.core.protocols import Map
@@ -28,7 +27,7 @@ class Camera:
 
     def __init__(self, context: PerceptionContext) -> None:
         self.context = context
-        self.camera = CameraSettings() if context.camera is None else context.camera
+        self.camera = context.own_camera
         self.width = context.target_width
         self.odometry = Odometry(context.origin, self.camera)
         self._begun: float | None = None
@@ -61,8 +60,7 @@ class Camera:
         return tuple(sorted(found, key=_bearing))
 
     def _visible(self, seen: Polar, own: Pose, prey: Pose, map: Map) -> bool:
-        in_view = abs(seen.angle) <= 0.5 * self.camera.fov and seen.distance <= self.camera.reach(self.width)
-        return in_view and not map.blocked(Ray(own.x, own.y, prey.x, prey.y))
+        return bool(self.camera.in_view(seen, self.width)) and not map.blocked(Ray(own.x, own.y, prey.x, prey.y))
 
     def _measured(self, seen: Polar, noise: np.ndarray) -> Detection:
         camera = self.camera

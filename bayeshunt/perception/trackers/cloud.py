@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from bayeshunt.core.geometry import FloatArray, Pose
+from bayeshunt.core.geometry import FloatArray, Pose, wrap
 
 __all__ = ["Cloud", "systematic"]
 
@@ -79,8 +79,22 @@ class Cloud:
         weight[where] = (share if rest > 0 else 1.0) / len(where)
         return Cloud(**parts)
 
+    def shaken(self, own: Pose, off: FloatArray, turn: FloatArray) -> Cloud:
+        """Return it with the error of the hunter's odometry on it: all that the hunter sees is off by that.
+
+        own: the hunter's pose. off: metres ahead [N]. turn: radians counter-clockwise [N].
+        """
+        dx, dy = self.x - own.x, self.y - own.y
+        cos, sin = np.cos(turn), np.sin(turn)
+        return replace(
+            self,
+            x=own.x + cos * dx - sin * dy + off * np.cos(own.theta),
+            y=own.y + sin * dx + cos * dy + off * np.sin(own.theta),
+            theta=np.asarray(wrap(self.theta + turn)),
+        )
+
     def heading(self) -> tuple[float, float]:
-        """Return the mean heading [rad] and its resultant, 0 (flat) to 1 (known), of the particles that move."""
+        """Return the mean heading [rad] and its resultant, 0 (flat) to 1 (known); those that stand count as well."""
         return _direction(self.theta, self.weight)
 
     def heading_before(self) -> tuple[float, float]:

@@ -14,14 +14,13 @@ from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.messages import Observation
 from bayeshunt.core.protocols import Belief
 from bayeshunt.perception.setting import PerceptionContext
+from bayeshunt.perception.trackers.common import TOLERANCE
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["TOLERANCE", "ExactBelief", "ExactTracker"]
+__all__ = ["ExactBelief", "ExactTracker"]
 
-#: Share of a time-step by which the time between two sightings may be off for their transition to count as one step's.
-TOLERANCE = 0.1
 #: Where the prey is taken to be while it was never seen: so many bodies ahead; a guess, and said to be one.
 _GUESS_BODIES = 5.0
 #: How sure a heading is that was worked out from two places, and one that was guessed.

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.core.messages import Detection, Frame, Observation
 from bayeshunt.core.protocols import Belief
 from bayeshunt.perception.setting import PerceptionContext
-from bayeshunt.perception.trackers.exact import TOLERANCE
+from bayeshunt.perception.trackers.common import BODIES_PER_SECOND, LEAST_RESULTANT, SURE, TOLERANCE
 from bayeshunt.perception.trackers.sightings import Eye
 
 if TYPE_CHECKING:
@@ -29,9 +28,6 @@ _GATE, _REJECTED = 4.0, 3
 _WANDER = 0.15
 #: Standard deviation of a velocity that was never seen, in expected speeds.
 _UNKNOWN_SPEED = 1.0
-#: A prey whose motion is quite unknown goes so many body lengths per second.
-_BODIES_PER_SECOND = 0.9
-_FIRST_RESULTANT, _SURE = 0.3, 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +42,7 @@ class KalmanBelief:
     own: Pose
     state: FloatArray
     spread: FloatArray
-    camera: CameraSettings
-    reach: float
+    eye: Eye
     last_seen: float
     transitions: tuple[Polar, ...] = ()
     rejected: int = 0
@@ -66,7 +61,7 @@ class KalmanBelief:
     def mean(self) -> Pose:
         """Its expected pose: it faces where it goes; as long as that is a guess, away from the hunter."""
         x, y, ux, uy = (float(part) for part in self.state)
-        theta = math.atan2(uy, ux) if self.resultant >= _FIRST_RESULTANT else math.atan2(y - self.own.y, x - self.own.x)
+        theta = math.atan2(uy, ux) if self.resultant >= LEAST_RESULTANT else math.atan2(y - self.own.y, x - self.own.x)
         return Pose(x, y, theta)
 
     @cached_property
@@ -88,12 +83,12 @@ class KalmanBelief:
     def sample(self, n: int, *, rng: np.random.Generator) -> Pose[FloatArray]:
         """Return ``n`` poses that it may have."""
         x, y, ux, uy = rng.multivariate_normal(self.state, self.spread, size=n, method="cholesky").T
-        return Pose(x, y, np.arctan2(uy, ux) if self.resultant >= _FIRST_RESULTANT else np.full(n, self.mean.theta))
+        return Pose(x, y, np.arctan2(uy, ux) if self.resultant >= LEAST_RESULTANT else np.full(n, self.mean.theta))
 
     def in_view(self) -> float:
         """Return the probability that it is in view now, from 200 samples."""
         seen = self.own.relative(self.sample(200, rng=np.random.default_rng(0)))
-        return float(((np.abs(seen.angle) <= 0.5 * self.camera.fov) & (seen.distance <= self.reach)).mean())
+        return float(self.eye.camera.in_view(seen, self.eye.width).mean())
 
     def table(self) -> pd.DataFrame:
         """Return the mean and the standard deviations of place [m] and velocity [m/s]."""
@@ -114,11 +109,11 @@ class KalmanTracker:
         import pykalman
 
         self.context = context
-        self.camera = CameraSettings() if context.camera is None else context.camera
+        self.camera = context.own_camera
         self.eye = Eye(self.camera, context.target_width)
         self.step = 1.0 if context.time_step is None else context.time_step
         known = None if context.motion is None else context.motion.prior_speed / self.step
-        self.speed = known or _BODIES_PER_SECOND * context.target_width
+        self.speed = known or BODIES_PER_SECOND * context.target_width
         self.filter: Any = pykalman.KalmanFilter(n_dim_state=4, n_dim_obs=2)
 
     def start(self, observation: Observation) -> Belief:
@@ -158,7 +153,7 @@ class KalmanTracker:
         made = self._belief(observation, state, spread, observation.time - last, belief.transitions, rejected)
         passed = observation.time - belief.time
         whole = abs(passed - self.step) <= TOLERANCE * self.step
-        if whole and last > belief.time and min(belief.resultant, made.resultant) >= _SURE:
+        if whole and last > belief.time and min(belief.resultant, made.resultant) >= SURE:
             transitions = (*belief.transitions, belief.mean.relative(made.mean))
             return self._belief(observation, state, spread, observation.time - last, transitions, rejected)
         return made
@@ -167,10 +162,7 @@ class KalmanTracker:
         self, observation: Observation, state: FloatArray, spread: FloatArray, last: float,
         transitions: tuple[Polar, ...], rejected: int,
     ) -> KalmanBelief:  # fmt: skip
-        reach = self.camera.reach(self.context.target_width)
-        return KalmanBelief(
-            observation.time, observation.pose, state, spread, self.camera, reach, last, transitions, rejected
-        )
+        return KalmanBelief(observation.time, observation.pose, state, spread, self.eye, last, transitions, rejected)
 
     def _unsure(self, noise: FloatArray) -> FloatArray:
         spread = np.zeros((4, 4))

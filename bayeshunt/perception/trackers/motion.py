@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from bayeshunt.core.geometry import FloatArray, Pose, wrap
+from bayeshunt.core.geometry import FloatArray, wrap
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.perception.setting import KnownWalls
 from bayeshunt.perception.trackers.cloud import Cloud
 
 __all__ = ["PreyMotion"]
 
-#: Width of the bins in which turns are counted [rad].
+#: Into how many bins of angle turns are counted.
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
 _REBOUND_SPREAD, _MEETING_SPREAD = 0.4, 0.35
@@ -77,8 +78,9 @@ class PreyMotion:
         total = self.drift_sum + prior.prior_steps * prior.prior_drift**2
         return float((total / (self.drift_steps + prior.prior_steps)) ** 0.5)
 
+    @cached_property
     def turn_table(self) -> tuple[FloatArray, FloatArray]:
-        """Return heading changes [rad, clockwise] and P(change | a turn): own turns as a guess, and those seen."""
+        """Heading changes [rad, clockwise] and P(change | a turn): own turns as a guess, and those seen."""
         own = self.prior.prior_turns
         share = self.prior.turn_weight / max(len(own), 1)
         centres = (np.arange(_TURN_BINS) + 0.5) * (2.0 * np.pi / _TURN_BINS) - np.pi
@@ -105,7 +107,7 @@ class PreyMotion:
         moving = ~cloud.still
         theta = cloud.theta + np.where(moving, rng.normal(0.0, self.drift * share**0.5, count), 0.0)
         turned = cloud.turned
-        turns, chances = self.turn_table()
+        turns, chances = self.turn_table
         turning = moving & (rng.random(count) < 1.0 - (1.0 - min(self.hazard, 1.0)) ** share)
         if len(turns) and turning.any():
             drawn = turns[np.minimum(np.searchsorted(np.cumsum(chances), rng.random(count)), len(turns) - 1)]
@@ -144,7 +146,7 @@ class PreyMotion:
         """Straight ways of ``run`` [m], turned along every wall that they meet."""
         if self.walls is None or not len(self.walls.normals):
             return x + run * np.cos(theta), y + run * np.sin(theta), theta
-        normals, offsets = np.array(self.walls.normals), np.array(self.walls.offsets)[:, None]
+        normals, offsets = self._half_planes
         for _ in range(_BOUNCES):
             ux, uy = np.cos(theta), np.sin(theta)
             towards = normals[:, :1] * ux + normals[:, 1:] * uy  # [W, N]
@@ -162,6 +164,12 @@ class PreyMotion:
             theta[hit] = self._leave(normals[wall[hit]], theta[hit], rng)
         return x + run * np.cos(theta), y + run * np.sin(theta), theta
 
+    @cached_property
+    def _half_planes(self) -> tuple[FloatArray, FloatArray]:
+        """Normals [W, 2] and offsets [m, W, 1] of the known walls."""
+        assert self.walls is not None
+        return np.array(self.walls.normals), np.array(self.walls.offsets)[:, None]
+
     def _leave(self, normals: FloatArray, theta: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Headings with which prey leave their walls: along them, on the side that they come in on."""
         assert self.walls is not None
@@ -169,18 +177,3 @@ class PreyMotion:
         slant = np.asarray(wrap(theta - facing)) + rng.normal(0.0, _MEETING_SPREAD, len(theta))
         rebound = self.walls.rebound + rng.normal(0.0, _REBOUND_SPREAD, len(theta))
         return facing + np.where(slant >= 0.0, 1.0, -1.0) * (0.5 * np.pi + rebound)
-
-    @staticmethod
-    def shaken(cloud: Cloud, own: Pose, off: FloatArray, turn: FloatArray) -> Cloud:
-        """Return the particles with the error of the hunter's odometry on them: all that it sees is off by that.
-
-        own: the hunter's pose. off: metres ahead [N]. turn: radians counter-clockwise [N].
-        """
-        dx, dy = cloud.x - own.x, cloud.y - own.y
-        cos, sin = np.cos(turn), np.sin(turn)
-        return replace(
-            cloud,
-            x=own.x + cos * dx - sin * dy + off * np.cos(own.theta),
-            y=own.y + sin * dx + cos * dy + off * np.sin(own.theta),
-            theta=np.asarray(wrap(cloud.theta + turn)),
-        )

@@ -13,6 +13,7 @@ import numpy as np
 from bayeshunt.core import displays
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.perception.trackers.cloud import Cloud, systematic
+from bayeshunt.perception.trackers.common import LEAST_RESULTANT
 from bayeshunt.perception.trackers.motion import PreyMotion
 from bayeshunt.perception.trackers.sightings import Eye
 
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ParticleBelief"]
 
-#: A mean heading of a resultant below this is noise: the prey is then taken to go away from the hunter.
-LEAST_RESULTANT = 0.3
 #: Rings of the table of what is believed, metres, and its sectors.
 RINGS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2, 3.0, math.inf)
 SECTORS = 12
@@ -105,9 +104,7 @@ class ParticleBelief(displays.Displayed):
 
     def in_view(self) -> float:
         """Return the probability that it is in view now."""
-        seen = self.seen()
-        camera = self.eye.camera
-        inside = (np.abs(seen.angle) <= 0.5 * camera.fov) & (seen.distance <= camera.reach(self.eye.width))
+        inside = self.eye.camera.in_view(self.seen(), self.eye.width)
         return min(float(self.cloud.weight @ inside), 1.0)
 
     def table(self) -> pd.DataFrame:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.checks import check_number, check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait
@@ -17,7 +16,7 @@ from bayeshunt.core.protocols import Belief
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.perception.setting import PerceptionContext
 from bayeshunt.perception.trackers.cloud import Cloud, systematic
-from bayeshunt.perception.trackers.exact import TOLERANCE
+from bayeshunt.perception.trackers.common import BODIES_PER_SECOND, SURE, TOLERANCE
 from bayeshunt.perception.trackers.motion import PreyMotion
 from bayeshunt.perception.trackers.particle_belief import ParticleBelief
 from bayeshunt.perception.trackers.sightings import Eye
@@ -25,7 +24,7 @@ from bayeshunt.perception.trackers.sightings import Eye
 __all__ = ["ParticleTracker"]
 
 #: A prey whose heading was not seen at the start is taken to go away from the hunter, give or take [rad]: the worst
-#: case. #: Chosen on seeds from 1000; where it goes another way, the first frames say so.
+#: case. Chosen on seeds from 1000; where it goes another way, the first frames say so.
 _AWAY_SPREAD = 0.8
 #: A sighting that the particles explain less than this, against a false one, brings new ones.
 _UNEXPLAINED = 0.3
@@ -37,12 +36,10 @@ _THIN = 0.02
 _JITTER_PLACE, _JITTER_TURN, _JITTER_SPEED = 0.0003, 0.008, 0.003
 #: One in so many of them is put much farther off, so many times: where the prey does what no particle foresaw.
 _FAR_SHARE, _FAR = 0.05, 8.0
-#: A frame shows the prey if that is more probable than not. Both headings of a transition must be this sure.
-_SEEN, _SURE = 0.5, 0.9
+#: A frame shows the prey if that is more probable than not.
+_SEEN = 0.5
 #: A way below this [m] has no direction.
 _STANDING = 0.002
-#: A prey whose motion is quite unknown goes this share of a body length per second, and no own turns are known.
-_BODIES_PER_SECOND = 0.9
 
 
 class ParticleTracker:
@@ -68,10 +65,10 @@ class ParticleTracker:
         if not check_number(unknown_range, "unknown_range") > 0.0:
             raise InputError(f"unknown_range must be metres > 0, got {unknown_range!r}")
         self.context, self.unknown_range = context, unknown_range
-        self.camera = CameraSettings() if context.camera is None else context.camera
+        self.camera = context.own_camera
         self.eye = Eye(self.camera, context.target_width)
         step = 1.0 if context.time_step is None else context.time_step
-        prior = context.motion or TurnModel(prior_speed=_BODIES_PER_SECOND * context.target_width * step)
+        prior = context.motion or TurnModel(prior_speed=BODIES_PER_SECOND * context.target_width * step)
         self.motion = PreyMotion(prior, step, context.walls, still)
 
     def start(self, observation: Observation) -> Belief:
@@ -187,7 +184,7 @@ class ParticleTracker:
         """The error of the last way on the particles; ``errors``: of each, in standard deviations, all step long."""
         way = self.camera.distance_error * math.hypot(own.x - before.x, own.y - before.y)
         turn = self.camera.turn_error * wrap(own.theta - before.theta)
-        return PreyMotion.shaken(cloud, own, way * errors[0], turn * errors[1])
+        return cloud.shaken(own, way * errors[0], turn * errors[1])
 
     def _concluded(
         self, belief: ParticleBelief, cloud: Cloud, observation: Observation, last: float, sightings: int
@@ -214,7 +211,7 @@ class ParticleTracker:
 def _mean_transition(cloud: Cloud) -> tuple[Polar, ...]:
     """The transition between the mean poses of the two ends of a step, if both headings are sure."""
     (before, sure_before), (after, sure) = cloud.heading_before(), cloud.heading()
-    if min(sure_before, sure) < _SURE:
+    if min(sure_before, sure) < SURE:
         return ()
     start = Pose(float(cloud.weight @ cloud.from_x), float(cloud.weight @ cloud.from_y), before)
     return (start.relative(Pose(*cloud.centre(), after)),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Polar
+from bayeshunt.core.geometry import Polar, placed
 from bayeshunt.core.messages import Ray
 from bayeshunt.core.protocols import Map
 from bayeshunt.planners.api import Plan, Situation
@@ -76,10 +76,7 @@ class Omniscient(SequenceHunter):
         paths, pose = self.paths, situation.pose
         assert pose is not None
         assert isinstance(situation.map, Map)
-        cos, sin = np.cos(pose.theta), np.sin(pose.theta)
-        x = pose.x + cos * paths.forward + sin * paths.right
-        y = pose.y + sin * paths.forward - cos * paths.right
-        hit = ~np.asarray(situation.map.free(x, y))
+        hit = ~np.asarray(situation.map.free(*placed(pose, paths.forward, paths.right)))
         hit[0] = False
         begun = (paths.tree.steps - 1) * paths.duration
         stopped = np.where(hit.any(axis=1), begun + (hit.argmax(axis=1) + 1) * paths.interval, np.inf)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError, ModelFileError
-from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.core.geometry import Polar, Pose, placed
 from bayeshunt.core.protocols import Map
 from bayeshunt.files.atomic import check_source, replace_atomically
 from bayeshunt.files.endings import check_ending
@@ -157,8 +157,7 @@ class Reference(Shown):
         """Return which gaits run into something, bool [G]."""
         assert isinstance(ground, Map)
         forward, right, _ = np.moveaxis(self.paths, -1, 0)  # [G, P]
-        cos, sin = np.cos(pose.theta), np.sin(pose.theta)
-        free = ground.free(pose.x + cos * forward + sin * right, pose.y + sin * forward - cos * right)
+        free = ground.free(*placed(pose, forward, right))
         stopped: np.ndarray = np.logical_not(np.asarray(free)).any(axis=1)
         return stopped
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
+from bayeshunt.core.geometry import FloatArray, Polar, Pose, placed, wrap
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Situation
@@ -63,10 +62,7 @@ class DetourPlanner(InterceptWallsPlanner):
 
     def __init__(self, model: ForwardModel, settings: DetourSettings | None = None, **given: Any) -> None:
         chosen = DetourSettings(**given) if settings is None else settings
-        room = chosen.room
-        if not isinstance(room, RoomModel):
-            room = RoomModel.empty() if room is None else RoomModel.load(room)
-        super().__init__(model, replace(chosen, room=room))
+        super().__init__(model, replace(chosen, room=RoomModel.of(chosen.room)))
         self.ways = None if self.room.space is None else WayFinder(self.room.space)
 
     def futures(self, situation: Situation) -> Futures:
@@ -77,62 +73,54 @@ class DetourPlanner(InterceptWallsPlanner):
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the interception where the way is free, else the first gaits of the way round."""
-        straight = super().plan(situation, rng=rng)
-        if self.ways is None:
-            return straight
         situation = check_request(situation, rng, self.hunter)
-        if situation.pose is None:
-            raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        return (
-            straight if self._is_clear(situation, situation.pose, straight) else self._round(situation, situation.pose)
-        )
+        pairs, futures = self.pairs_from(situation), self.futures(situation)
+        straight = self.choose(situation, pairs, futures)
+        if self.ways is None or self._is_clear(situation, straight, pairs, futures):
+            return straight
+        return self._round(situation, pairs, futures)
 
-    def _is_clear(self, situation: Situation, pose: Pose, plan: Plan) -> bool:
+    def _is_clear(self, situation: Situation, plan: Plan, pairs: PairPaths, futures: Futures) -> bool:
         """Whether an interception is free on the map: its gaits until the catch, and the straight line that is left."""
         assert self.ways is not None
-        space, pairs, reach = self.ways.space, self.pairs_from(situation), self.reach(situation)
+        assert situation.pose is not None  # the futures need it
+        space, pose, reach = self.ways.space, situation.pose, self.reach(situation)
         first, second = (self.gaits.index(gait) for gait in plan.gaits)
-        path = np.concatenate([pairs.first[:, first, :, 0], pairs.second[:, first, second, :, 0]], axis=-1)  # [2, 2 P]
-        prey = self.futures(situation).likeliest(pairs.times)
+        parts = pairs.first[:2, first, :, 0], pairs.second[:2, first, second, :, 0]
+        path = np.concatenate(parts, axis=-1)  # [2, 2 P]
+        prey = futures.likeliest(pairs.times)
         gaps = np.hypot(path[0] - prey.forward[1:], path[1] - prey.right[1:])
         caught = gaps <= reach
         until = int(caught.argmax()) if caught.any() else len(gaps)
-        if until and (space.at(*_placed(pose, *path[:, :until])) >= self.settings.free).mean() < self.settings.known:
+        if until and (space.at(*placed(pose, *path[:, :until])) >= self.settings.free).mean() < self.settings.known:
             return False
         if until < len(gaps):
             return True
         share = np.arange(0.0, 1.0 - reach / gaps[-1], 0.5 * space.cell / gaps[-1])
         line = path[:, -1:] + share * (np.array([[prey.forward[-1]], [prey.right[-1]]]) - path[:, -1:])
-        return bool((space.at(*_placed(pose, *line)) >= self.settings.free).all())
+        return bool((space.at(*placed(pose, *line)) >= self.settings.free).all())
 
-    def _round(self, situation: Situation, pose: Pose) -> Plan:
+    def _round(self, situation: Situation, pairs: PairPaths, futures: Futures) -> Plan:
         assert self.ways is not None
-        pairs, futures = self.pairs_from(situation), self.futures(situation)
+        assert situation.pose is not None
+        pose = situation.pose
         prey = futures.likeliest(pairs.times[[len(pairs.times) // 2 - 1, -1]])
         goal = pose.compose(Polar(*(float(part[-1]) for part in prey)))
         ways = self.ways.to(float(goal.x), float(goal.y))
         outlook = self._outlook(pairs, futures, pose, ways, self.reach(situation))
-        best = int(outlook.times.min(axis=1).argmin())
-        second = int(outlook.times[best].argmin())
-        return Plan(
-            gait=self.gaits[best],
-            gaits=(self.gaits[best], self.gaits[second]),
-            value=float(outlook.times[best, second]),
-            objective="expected time to the capture, the way round [s]",
-            nodes=1 + len(self.gaits) + outlook.times.size,
-            make_trace=partial(_trace, self.gaits, pairs, outlook),
-            expansions=1 + len(self.gaits),
-            target=pose.relative(Pose(*ways.waypoint(pose.x, pose.y), pose.theta))._replace(heading=np.nan),
-            prey_known=bool(situation.transitions),
-            predicted_prey=prey,
-        )
+        plan = self.best(
+            outlook.times.min(axis=1), outlook.times, "expected time to the capture, the way round [s]",
+            partial(_trace, self.gaits, pairs, outlook), prey, prey_known=bool(situation.transitions),
+        )  # fmt: skip
+        aim = pose.relative(Pose(*ways.waypoint(pose.x, pose.y), pose.theta))._replace(heading=np.nan)
+        return replace(plan, target=aim)
 
     def _outlook(self, pairs: PairPaths, futures: Futures, pose: Pose, ways: Ways, reach: float) -> _Outlook:
         """Value every pair of gaits: until its end, and then the way that is left."""
         count, points = pairs.first.shape[1:3]
-        both = np.broadcast_to(pairs.first[:, :, None, :, 0], (2, count, count, points))
-        path = np.concatenate([both, pairs.second[..., 0]], axis=-1)  # [2, G, G, 2 P]
-        x, y = _placed(pose, *path)
+        both = np.broadcast_to(pairs.first[:2, :, None, :, 0], (2, count, count, points))
+        path = np.concatenate([both, pairs.second[:2, ..., 0]], axis=-1)  # [2, G, G, 2 P]
+        x, y = placed(pose, *path)
         safe = np.minimum.accumulate(ways.space.at(x, y), axis=-1)  # P(not stopped so far)
         forward, right = (part.T for part in futures.at(pairs.times))  # [2 P, K]
         gap = np.hypot(path[0][..., None] - forward, path[1][..., None] - right)
@@ -166,12 +154,6 @@ class _Outlook:
     times: FloatArray
     captured: FloatArray
     safe: FloatArray
-
-
-def _placed(pose: Pose, forward: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points as a hunter at ``pose`` sees them, in the frame in which it started."""
-    cos, sin = np.cos(pose.theta), np.sin(pose.theta)
-    return pose.x + cos * forward + sin * right, pose.y + sin * forward - cos * right
 
 
 def _trace(gaits: tuple[str, ...], pairs: PairPaths, outlook: _Outlook) -> pd.DataFrame:

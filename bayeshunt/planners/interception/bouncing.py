@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.planners.interception.futures import Futures
 
 __all__ = ["LEGS", "Walls", "room_futures", "rooms_futures", "sliding_future"]
@@ -32,6 +33,15 @@ class Walls(NamedTuple):
     normals: tuple[tuple[float, float], ...]
     offsets: tuple[float, ...]
     rebound: float
+
+    @classmethod
+    def of(cls, room: RoomModel) -> Walls:
+        """Return the walls of a room where they stop a body of the hunter's size."""
+        return cls(tuple((float(x), float(y)) for x, y in room.normals), tuple(map(float, room.offsets)), 0.0)
+
+    def kept(self, clearance: float, rebound: float) -> Walls:
+        """Return them as they are to a prey whose centre turns away from them ``clearance`` [m] before."""
+        return Walls(self.normals, tuple(offset - clearance for offset in self.offsets), rebound)
 
     def meet(self, pose: Pose) -> tuple[int, float]:
         """Return the wall that lies ahead of ``pose`` and the metres to it; (-1, inf) if there is none."""

@@ -9,18 +9,19 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.target.turns import TurnModel, earlier_poses, in_legs
+from bayeshunt.models.target.turns import TurnModel, earlier_poses
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.bouncing import Walls, rooms_futures
-from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
+from bayeshunt.planners.interception.futures import Futures, mix
 from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 __all__ = ["InterceptPlanner", "InterceptSettings", "intercept"]
 
 _NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+_TOWARDS = np.array(_NORMALS)
 #: Rooms less probable than this are left out of a decision.
 _NEGLIGIBLE = 0.01
 #: The likeliest futures that a decision is taken over.
@@ -95,6 +96,10 @@ class InterceptPlanner(TurningPlanner):
         self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
         self.slack = chosen.slack * body
         self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]
+        chance, count = chosen.room_chance, len(self.sizes)
+        #: The logarithm of the probability of each room, and last of none, before anything is seen.
+        with np.errstate(divide="ignore"):  # of no chance of a room
+            self.before = np.log(np.append(np.full(count, chance / count), 1.0 - chance))
 
     def futures(self, situation: Situation) -> Futures:
         """Return the prey's futures under every hypothesis about the room."""
@@ -102,15 +107,15 @@ class InterceptPlanner(TurningPlanner):
             return self.turning(situation)
         if not (self.settings.prior or situation.transitions):
             return self.turning(situation)
-        known = self.prey(situation)
-        chances = self._posterior(situation, known)
-        free = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
+        legs = self.legs(situation)
+        known = self.prior.learn(legs)
+        chances = self._posterior(situation.pose.compose(situation.prey), legs, known)
         likely = [(c, walls) for walls, c in zip(self.walls, chances.tolist(), strict=False) if c >= _NEGLIGIBLE]
         speed = known.speed / self.leg
         chance, bounced = rooms_futures(
             situation.prey, situation.pose, likely, speed, known.drift, self.leg, legs=_LEGS
         )
-        parts = [(float(chances[-1]), free)]
+        parts = [(float(chances[-1]), self.turning(situation, known))]
         if bounced is not None:
             parts.append((chance, bounced))
         return mix(parts, _MOST)
@@ -119,23 +124,19 @@ class InterceptPlanner(TurningPlanner):
         """Return the belief, one row per size and the last for no room: size [m, inf: none], probability, before."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        chances = self._posterior(situation, self.prey(situation))
-        columns = {"size": [*self.sizes, math.inf], "probability": chances, "before": np.exp(self._before())}
+        legs = self.legs(situation)
+        chances = self._posterior(situation.pose.compose(situation.prey), legs, self.prior.learn(legs))
+        columns = {"size": [*self.sizes, math.inf], "probability": chances, "before": np.exp(self.before)}
         return pd.DataFrame(columns).rename_axis("Room")
 
-    def _before(self) -> np.ndarray:
-        """Return the logarithm of the probability of each room, and last of none, before anything is seen."""
-        chance, count = self.settings.room_chance, len(self.sizes)
-        before: np.ndarray = np.log(np.append(np.full(count, chance / count), 1.0 - chance))
-        return before
+    def _posterior(self, now: Pose, legs: tuple[Polar, ...], known: TurnModel) -> np.ndarray:
+        """Return the probability of each room and, last, of none; sums to 1.
 
-    def _posterior(self, situation: Situation, known: TurnModel) -> np.ndarray:
-        """Return the probability of each room and, last, of none; sums to 1."""
+        now: the prey's pose in the frame in which the hunter started. legs: those it has come; known: what they tell.
+        """
         chosen = self.settings
-        logs = self._before()
-        assert situation.pose is not None
-        legs = in_legs(situation.transitions, self.steps)
-        poses = earlier_poses(situation.pose.compose(situation.prey), legs)
+        logs = self.before.copy()
+        poses = earlier_poses(now, legs)
         turned = np.array([abs(leg.heading) >= known.threshold for leg in legs])
         # What a prey that turns by chance was believed to do, from the legs before each.
         hazards = np.cumsum(np.append(chosen.hazard * chosen.hazard_steps, turned))[:-1]
@@ -149,8 +150,8 @@ class InterceptPlanner(TurningPlanner):
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
         """Return P(the prey turns within a time-step | room) for each size, the prey starting at ``pose``."""
-        towards = np.array(_NORMALS) @ np.array([math.cos(pose.theta), math.sin(pose.theta)])
-        along = np.array(_NORMALS) @ np.array([pose.x, pose.y])
+        towards = _TOWARDS @ np.array([math.cos(pose.theta), math.sin(pose.theta)])
+        along = _TOWARDS @ np.array([pose.x, pose.y])
         ahead = towards > 1e-9
         gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
         error = self.settings.error

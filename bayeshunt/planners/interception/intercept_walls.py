@@ -8,10 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.at_walls import AtWalls
-from bayeshunt.models.target.turns import earlier_poses, in_legs
+from bayeshunt.models.target.turns import earlier_poses
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
@@ -29,13 +30,18 @@ _WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 
 @planner_settings("intercept_walls")
 class RoomSettings(TurningSettings):
-    """Settings of the interception hunter, the room it is in, and what a prey does at a wall."""
+    """Settings of an interception hunter, the room it is in, and what a prey does at a wall."""
 
     clearance: Number = setting(
-        0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped, until seen", ge=0
+        0.4,
+        "body lengths that the prey's centre keeps from where the hunter's own centre is stopped, believed beforehand",
+        ge=0,
     )
     rebound: Number = setting(
-        0.5, "angle between a wall and the prey that has turned away from it, radians, until seen", ge=0, le=1.5
+        0.5,
+        "angle between a wall and the prey that has turned away from it, radians, believed beforehand",
+        ge=0,
+        le=1.5,
     )
     room: File[RoomModel | str | os.PathLike[str] | None] = setting(
         None,
@@ -71,11 +77,10 @@ class InterceptWallsPlanner(TurningPlanner):
                 "intercept_walls: needs a room, of the arena it hunts in: bayeshunt.learn_room(experiment, arena=...), "
                 'or a file made by "bayeshunt explore --out FILE"'
             )
-        self.room = room if isinstance(room, RoomModel) else RoomModel.load(room)
+        self.room = RoomModel.of(room)
         body = model.gaits.need("body_length")
-        normals = tuple((float(x), float(y)) for x, y in self.room.normals)
         #: Where a body of the hunter's size is stopped.
-        self.walls = Walls(normals, tuple(map(float, self.room.offsets)), 0.0)
+        self.walls = Walls.of(self.room)
         self.habits = AtWalls(chosen.rebound, chosen.clearance * body)
         self.body = body
 
@@ -83,34 +88,33 @@ class InterceptWallsPlanner(TurningPlanner):
         """Return the prey's paths among the walls, weighted by what it has done at walls so far."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        free = self.turning
-        if not (self.settings.prior or situation.transitions):
-            return free(situation)
-        known = self.prey(situation)
-        habits = self._at_walls(situation, known.speed)
+        legs = self.legs(situation)
+        known = self.prior.learn(legs)
+        if not (self.settings.prior or legs):
+            return self.turning(situation, known)
+        habits = self._at_walls(situation.pose.compose(situation.prey), legs, known.speed)
         speed = known.speed / self.leg
         turned = room_futures(situation.prey, situation.pose, self._kept(habits), speed, known.drift, self.leg)
         if turned is None:
-            return free(situation)
+            return self.turning(situation, known)
         stray = 1.0 - (1.0 - habits.hazard) ** self.settings.turn_steps
         slides = (1.0 - stray) * habits.keeping
         parts = [(1.0 - stray - slides, turned)]
         if stray > _NEGLIGIBLE:
-            parts.append((stray, free(situation)))
+            parts.append((stray, self.turning(situation, known)))
         if slides > _NEGLIGIBLE and speed > 0:
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
         return mix(parts) if len(parts) > 1 else turned
 
     def at_walls(self, situation: Situation) -> AtWalls:
         """Return what the prey has done at walls, and away from them, in this hunt; its ``table()`` opens it."""
-        return self._at_walls(situation, self.prey(situation).speed)
-
-    def _at_walls(self, situation: Situation, run: float) -> AtWalls:
-        """Count the legs seen so far; ``run``: metres of a leg of the prey that does not turn."""
         if situation.pose is None:
             raise InputError(f"{self.name}: the situation must tell the hunter's own pose")
-        now = situation.pose.compose(situation.prey)
-        legs = in_legs(situation.transitions, self.steps)
+        legs = self.legs(situation)
+        return self._at_walls(situation.pose.compose(situation.prey), legs, self.prior.learn(legs).speed)
+
+    def _at_walls(self, now: Pose, legs: tuple[Polar, ...], run: float) -> AtWalls:
+        """Count the legs that the prey, at ``now``, has come; ``run``: metres of a leg if it does not turn."""
         poses = [*earlier_poses(now, legs), now]
         walls = self._kept(self.habits)
         left: list[tuple[float, float]] = []
@@ -134,8 +138,7 @@ class InterceptWallsPlanner(TurningPlanner):
 
     def _kept(self, habits: AtWalls) -> Walls:
         """Return the walls as a prey that turns away from them keeps clear of them."""
-        offsets = tuple(offset - habits.keeping_clear for offset in self.walls.offsets)
-        return Walls(self.walls.normals, offsets, habits.leaving)
+        return self.walls.kept(habits.keeping_clear, habits.leaving)
 
 
 #: The planner by the name that it is registered under.

@@ -7,6 +7,7 @@ for all futures), M groups of futures.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -43,15 +44,23 @@ class PairPaths:
     """The poses of every pair of gaits, composed once; they do not depend on the situation.
 
     times: seconds, part-way through the first and the second step [2 P].
-    first: forward and right, metres [2, G, P, S]. second: the same after a first gait [2, G, G, P, S].
-    first_end, end: forward, right, heading (not wrapped) at the steps' ends [3, G, S] and [3, G, G, S].
+    first: forward, right [m], heading [rad, not wrapped] in the first step [3, G, P, S]. second: the same in the
+        second [3, G, G, P, S].
     """
 
     times: np.ndarray
     first: np.ndarray
     second: np.ndarray
-    first_end: np.ndarray
-    end: np.ndarray
+
+    @cached_property
+    def first_end(self) -> np.ndarray:
+        """The poses at the end of the first step [3, G, S]."""
+        return self.first[:, :, -1].copy()
+
+    @cached_property
+    def end(self) -> np.ndarray:
+        """The poses at the end of the second step [3, G, G, S]."""
+        return self.second[..., -1, :].copy()
 
     @classmethod
     def compile(cls, first: np.ndarray, second: np.ndarray, time_step: float) -> PairPaths:
@@ -66,10 +75,8 @@ class PairPaths:
         cos, sin = np.cos(start[2]), np.sin(start[2])
         x = start[0] + cos * second[0] - sin * second[1]
         y = start[1] + sin * second[0] + cos * second[1]
-        heading = first[2, :, None, -1] + second[2, ..., -1, :]
-        end = np.stack([x[..., -1, :], y[..., -1, :], heading])
         times = np.arange(1, 2 * points + 1) * (time_step / points)
-        return cls(times, first[:2].copy(), np.stack([x, y]), first[:, :, -1].copy(), end)
+        return cls(times, first, np.stack([x, y, start[2] + second[2]]))
 
     @classmethod
     def mean(cls, model: ForwardModel, previous_gait: str | None = None) -> PairPaths:

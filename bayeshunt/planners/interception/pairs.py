@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.geometry import wrap
+from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Shown, Situation
@@ -55,18 +56,33 @@ class PairPlanner(Shown):
             homing = replace(homing, reach=reach)
         outlook = look_ahead(pairs, futures, homing, self.spread)
         values, pair_values = decide(outlook, futures)
+        return self.best(
+            values, pair_values, "expected time to the capture [s]",
+            partial(trace, self.gaits, pairs, futures, homing, self.spread), self.predicted(futures),
+            prey_known=bool(situation.transitions),
+        )  # fmt: skip
+
+    def predicted(self, futures: Futures) -> Polar[FloatArray]:
+        """Return the most probable future now and at the ends of both steps."""
+        return futures.likeliest(np.array([1.0, 2.0]) * self.time_step)
+
+    def best(
+        self, values: np.ndarray, pair_values: np.ndarray, objective: str, make_trace: Callable[[], pd.DataFrame],
+        prey: Polar[FloatArray], *, prey_known: bool,
+    ) -> Plan:  # fmt: skip
+        """Return the plan of the first gait of least value [G], and the second of the least value after it [G, G]."""
         first = int(values.argmin())
         second = int(pair_values[first].argmin())
         return Plan(
             gait=self.gaits[first],
             gaits=(self.gaits[first], self.gaits[second]),
             value=float(values[first]),
-            objective="expected time to the capture [s]",
+            objective=objective,
             nodes=1 + len(values) + pair_values.size,
-            make_trace=partial(trace, self.gaits, pairs, futures, homing, self.spread),
+            make_trace=make_trace,
             expansions=1 + len(values),
-            prey_known=bool(situation.transitions),
-            predicted_prey=futures.likeliest(np.array([1.0, 2.0]) * self.time_step),
+            prey_known=prey_known,
+            predicted_prey=prey,
         )
 
 

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.geometry import Polar
 from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
@@ -94,13 +95,20 @@ class TurningPlanner(PairPlanner):
             prior_drift=own.drift,
         )
 
-    def prey(self, situation: Situation) -> TurnModel:
-        """Return what is known of the prey: the prior and the transitions seen so far."""
-        return self.prior.learn(in_legs(situation.transitions, self.steps))
+    def legs(self, situation: Situation) -> tuple[Polar, ...]:
+        """Return the transitions seen so far, over a leg each."""
+        return in_legs(situation.transitions, self.steps)
 
-    def turning(self, situation: Situation) -> Futures:
-        """Return the weighted futures of a prey that turns by chance, as the hunter sees them now."""
-        known = self.prey(situation)
+    def prey(self, situation: Situation) -> TurnModel:
+        """Return what is known of the prey, per leg: the prior and the transitions seen so far."""
+        return self.prior.learn(self.legs(situation))
+
+    def turning(self, situation: Situation, known: TurnModel | None = None) -> Futures:
+        """Return the weighted futures of a prey that turns by chance, as the hunter sees them now.
+
+        known: what :meth:`prey` returns, where that has been asked already.
+        """
+        known = self.prey(situation) if known is None else known
         futures = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
         return futures if self.settings.prior or situation.transitions else futures.standing_still()
 

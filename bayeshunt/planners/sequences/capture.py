@@ -42,7 +42,8 @@ class PreyPaths:
 class CapturePaths:
     """The mean path of every gait sequence of a tree, at P points per time-step.
 
-    tree: the sequences. points: P. interval: seconds between points. duration: seconds per step.
+    tree: the sequences, grown unless they are given. points: P. interval: seconds between points.
+    duration: seconds per step.
     ways: metres along each sequence [N]. fastest: number of the fastest gait.
     previous_gait: the gait just executed; it and each gait of a sequence say what the next one does where the model
         depends on the gait before.
@@ -51,8 +52,9 @@ class CapturePaths:
     """
 
     def __init__(
-        self, model: ForwardModel, depth: int, max_transitions: int, *, previous_gait: str | None = None
-    ) -> None:
+        self, model: ForwardModel, depth: int, max_transitions: int, *, previous_gait: str | None = None,
+        tree: GaitTree | None = None,
+    ) -> None:  # fmt: skip
         paths = gait_paths(model.after(previous_gait))
         after = None
         if depends_on_previous(model.structure):
@@ -61,7 +63,7 @@ class CapturePaths:
         self.points = paths.shape[1]
         self.interval = self.duration / self.points
         self.depth = depth
-        self.tree = GaitTree.grow(len(paths), depth, max_transitions)
+        self.tree = GaitTree.grow(len(paths), depth, max_transitions) if tree is None else tree
         self.layers = np.searchsorted(self.tree.steps, np.arange(depth + 2))
         self.by_previous = after is not None
         self._compose(paths, after)

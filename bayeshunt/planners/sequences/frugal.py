@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.cost import Cost, Energies
 from bayeshunt.planners.requests import check_request, predict_prey
@@ -52,7 +53,16 @@ class Frugal(SequenceHunter):
     def __init__(self, model: ForwardModel, settings: FrugalSettings | None = None, **given: Any) -> None:
         super().__init__(model, settings, **given)
         self._first = self._first_gaits()
+        depth, changes = self.settings.depth, self.settings.max_transitions
+        self._after = {
+            gait: CapturePaths(model, depth, changes, previous_gait=gait, tree=self.paths.tree)
+            for gait in (self.gaits if depends_on_previous(model.structure) else ())
+        }
         self._energy = Energies(model) if self.settings.energy else None
+
+    def paths_after(self, previous_gait: str | None) -> CapturePaths:
+        """Return the mean paths of every sequence that follows a gait, where that changes them."""
+        return self._after.get(previous_gait or "", self.paths)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the sequence of least cost."""

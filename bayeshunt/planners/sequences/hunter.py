@@ -11,7 +11,6 @@ import pandas as pd
 
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Shown, Situation
 from bayeshunt.planners.requests import catch_distance
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
@@ -49,15 +48,7 @@ class SequenceHunter(Shown):
         self.gaits = tuple(model.gaits.names)
         model.gaits.need("duration")
         self.paths = CapturePaths(model, self.settings.depth, self.settings.max_transitions)
-        self._after: dict[str, CapturePaths] = {}
-        if depends_on_previous(model.structure):
-            depth, changes = self.settings.depth, self.settings.max_transitions
-            self._after = {gait: CapturePaths(model, depth, changes, previous_gait=gait) for gait in self.gaits}
         self.leaves = np.arange(self.paths.layers[-2], self.paths.layers[-1])  # the sequences of full depth
-
-    def paths_after(self, previous_gait: str | None) -> CapturePaths:
-        """Return the mean paths of every sequence that follows a gait, where that changes them."""
-        return self._after.get(previous_gait or "", self.paths)
 
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that a planned capture must come within [m]."""

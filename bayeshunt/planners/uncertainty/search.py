@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,33 +13,27 @@ from bayeshunt.core.geometry import FloatArray, Pose
 from bayeshunt.core.protocols import Belief, MovingBelief
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
+from bayeshunt.planners.interception.intercept_walls import RoomSettings
+from bayeshunt.planners.interception.turning import TurningPlanner
 from bayeshunt.planners.requests import check_request
-from bayeshunt.planners.settings import Count, File, Number, planner_settings, setting
+from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 from bayeshunt.planners.uncertainty.opened import trace
 from bayeshunt.planners.uncertainty.sampled import Start, sampled_futures
-from bayeshunt.planners.uncertainty.sight import Looks
+from bayeshunt.planners.uncertainty.sight import sight
 from bayeshunt.planners.uncertainty.weighing import Price, Weighing
 
 __all__ = ["SearchPlanner", "SearchSettings", "search"]
 
 
 @planner_settings("search")
-class SearchSettings(TurningSettings):
-    """Settings of the interception hunter, and what it costs not to see the prey."""
+class SearchSettings(RoomSettings):
+    """Settings of the interception hunter among walls, and what it costs not to see the prey."""
 
-    hazard: Number = setting(
-        0.02,
-        "as for the interception hunter; a known arena leaves little reason for a turn where there is no wall",
-        ge=0,
-        le=1,
-    )
     samples: Count = setting(48, "futures drawn from the belief", ge=2)
     price: Number = setting(
         0.3,
@@ -49,17 +42,6 @@ class SearchSettings(TurningSettings):
         ge=0,
     )
     most_price: Number = setting(12.0, "and at most so many seconds", ge=0)
-    clearance: Number = setting(
-        0.4, "body lengths that the prey's centre keeps from where the hunter's own centre is stopped", ge=0
-    )
-    rebound: Number = setting(
-        0.5, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
-    )
-    room: File[RoomModel | str | os.PathLike[str] | None] = setting(
-        None,
-        "a RoomModel or the path of one (bayeshunt explore --out FILE) to use instead; learned in another run, "
-        "so the planner is then marked *",
-    )
 
 
 class SearchPlanner(TurningPlanner):
@@ -89,47 +71,29 @@ class SearchPlanner(TurningPlanner):
 
     def __init__(self, model: ForwardModel, settings: SearchSettings | None = None, **given: Any) -> None:
         super().__init__(model, settings, **given)
-        chosen, room = self.settings, self.settings.room
-        self.room = room if room is None or isinstance(room, RoomModel) else RoomModel.load(room)
+        chosen = self.settings
+        self.room = RoomModel.of(chosen.room)
         self.body = model.gaits.need("body_length")
-        keep = chosen.clearance * self.body
-        self.walls = Walls((), (), chosen.rebound)
-        if self.room is not None:
-            self.walls = Walls(
-                tuple((float(x), float(y)) for x, y in self.room.normals),
-                tuple(float(offset) - keep for offset in self.room.offsets),
-                chosen.rebound,
-            )
-        after = self.gaits if depends_on_previous(model.structure) else ()
-        self.looks = Looks.of(model)
-        self.looks_after = {gait: Looks.of(model, gait) for gait in after}
+        #: Where the prey turns away.
+        self.walls = Walls.of(self.room).kept(chosen.clearance * self.body, chosen.rebound)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the least expected time of capture, sight priced."""
         situation = check_request(situation, rng, self.hunter)
-        futures = self.sampled(situation, rng)
+        pairs, futures = self.pairs_from(situation), self.sampled(situation, rng)
         camera = situation.camera if isinstance(situation.camera, CameraSettings) else None
-        looks = self.looks_after.get(situation.previous_gait or "", self.looks)
         reach = float("inf") if camera is None else camera.reach(camera.target_width or self.body)
         weighing = Weighing(
-            self.pairs_from(situation), futures, replace(self.homing, reach=self.reach(situation)), self.spread,
-            looks.sight(camera, reach, futures), Price(self.settings.price, self.settings.most_price),
+            pairs, futures, replace(self.homing, reach=self.reach(situation)), self.spread,
+            sight(pairs, camera, reach, futures), Price(self.settings.price, self.settings.most_price),
         )  # fmt: skip
         outlook = weighing.outlook()
         values, pair_values = weighing.values(outlook)
-        first = int(values.argmin())
-        second = int(pair_values[first].argmin())
-        return Plan(
-            gait=self.gaits[first],
-            gaits=(self.gaits[first], self.gaits[second]),
-            value=float(values[first]),
-            objective="expected time to the capture, sight priced [s]",
-            nodes=1 + len(values) + pair_values.size,
-            make_trace=partial(trace, self.gaits, weighing, self.body),
-            expansions=1 + len(values),
+        return self.best(
+            values, pair_values, "expected time to the capture, sight priced [s]",
+            partial(trace, self.gaits, weighing, self.body), self.predicted(futures),
             prey_known=_seen_moving(situation),
-            predicted_prey=futures.likeliest(np.array([1.0, 2.0]) * self.time_step),
-        )
+        )  # fmt: skip
 
     def sampled(self, situation: Situation, rng: np.random.Generator) -> Futures:
         """Return equally weighted futures, drawn from the belief; without one, of the pose that is told."""
@@ -158,7 +122,7 @@ def _turns(
     """Return when each of K prey turns by chance [s from now], and by how much [rad, clockwise]."""
     motion: Any = getattr(belief, "motion", None)
     hazard = float(known.hazard if motion is None else motion.hazard)
-    turns, chances = known.turn_table if motion is None else motion.turn_table()
+    turns, chances = known.turn_table if motion is None else motion.turn_table
     if not len(turns) or hazard <= 0.0:
         return np.full(count, np.inf), np.zeros(count)
     # Evenly spread over the distribution: with few samples chance alone would make every decision another one.

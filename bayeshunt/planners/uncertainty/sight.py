@@ -9,12 +9,10 @@ import numpy as np
 
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import FloatArray
-from bayeshunt.models.body.forward import ForwardModel
-from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.lookahead import gait_paths
+from bayeshunt.planners.interception.lookahead import PairPaths
 
-__all__ = ["Looks", "Sight"]
+__all__ = ["Sight", "sight"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,50 +23,22 @@ class Sight:
     second: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Looks:
-    """From where the hunter looks, on the mean path of every gait and pair of gaits.
+def sight(pairs: PairPaths, camera: CameraSettings | None, reach: float, futures: Futures) -> Sight:
+    """Return P(found) in both steps on the mean paths of pairs, in every future; with no camera all is seen.
 
-    first: forward, right [m], heading [rad] at every part-way pose [3, G, P]. second: [3, G, G, P]. times: [2 P].
+    reach: metres.
     """
-
-    first: FloatArray
-    second: FloatArray
-    times: FloatArray
-
-    @classmethod
-    def of(cls, model: ForwardModel, previous_gait: str | None = None) -> Looks:
-        """Return those of a model's mean paths after the gait just executed."""
-        paths = np.moveaxis(gait_paths(model.after(previous_gait)), -1, 0)  # [3, G, P]
-        then = paths[:, None]
-        if depends_on_previous(model.structure):
-            then = np.moveaxis(np.stack([gait_paths(model.after(gait)) for gait in model.gaits]), -1, 0)
-        start = paths[:, :, -1][:, :, None, None]
-        cos, sin = np.cos(start[2]), np.sin(start[2])
-        second = np.stack(
-            [
-                start[0] + cos * then[0] - sin * then[1],
-                start[1] + sin * then[0] + cos * then[1],
-                start[2] + then[2],
-            ]
-        )
-        points = paths.shape[2]
-        times = np.arange(1, 2 * points + 1) * (model.gaits.need("duration") / points)
-        return cls(paths, second, times)
-
-    def sight(self, camera: CameraSettings | None, reach: float, futures: Futures) -> Sight:
-        """Return P(found) in both steps in every future; with no camera all is seen. reach: metres."""
-        points, count = self.first.shape[2], len(futures.weights)
-        gaits = self.first.shape[1]
-        if camera is None:
-            return Sight(np.ones((gaits, count)), np.ones((gaits, gaits, count)))
-        looks = np.unique(np.rint(np.arange(1, camera.frames + 1) * points / camera.frames).astype(int) - 1)
-        looks = looks[looks >= 0]
-        forward, right = (part.T for part in futures.at(self.times[np.concatenate([looks, points + looks])]))
-        half = len(looks)
-        one = _found(self.first[:, :, looks], forward[:half], right[:half], camera, reach)
-        two = _found(self.second[:, :, :, looks], forward[half:], right[half:], camera, reach)
-        return Sight(one, two)
+    gaits, points = pairs.first.shape[1:3]
+    count = len(futures.weights)
+    if camera is None:
+        return Sight(np.ones((gaits, count)), np.ones((gaits, gaits, count)))
+    looks = np.unique(np.rint(np.arange(1, camera.frames + 1) * points / camera.frames).astype(int) - 1)
+    looks = looks[looks >= 0]
+    forward, right = (part.T for part in futures.at(pairs.times[np.concatenate([looks, points + looks])]))
+    half = len(looks)
+    one = _found(pairs.first[..., looks, 0], forward[:half], right[:half], camera, reach)
+    two = _found(pairs.second[..., looks, 0], forward[half:], right[half:], camera, reach)
+    return Sight(one, two)
 
 
 def _found(

@@ -14,7 +14,7 @@ from typing import Any
 import Box2D
 import numpy as np
 
-from bayeshunt.config.schema import NoiseSettings, ObstacleSettings
+from bayeshunt.config.schema import ObstacleSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -32,7 +32,6 @@ __all__ = ["Box2DWorld", "build_obstacles", "build_walls", "new_world"]
 
 #: Box2D units between two surfaces beyond which Box2D does not look for a contact: far more than a step's way.
 _MARGIN = 4.0
-_NO_NOISE = NoiseSettings(slip=0.0, drift_sd=0.0)
 #: A prey: its place in the order of the bodies, what takes its wheel speeds, what gives them.
 _Steered = tuple[int, Callable[[tuple[float, ...]], None], Callable[..., tuple[float, float]]]
 
@@ -61,7 +60,7 @@ class Box2DWorld:
             body = self._add(name, streams[name])
             body.place(pose)
             if name != HUNTER:
-                mind = build_prey(self._context(streams[f"{name}_control"]))
+                mind = build_prey(Context.of(self.scene, self.control_interval, streams[f"{name}_control"]))
                 self._prey.append((len(self._drives) - 1, body, mind))
         return Moment(self.time, {name: body.pose for name, body in self.bodies.items()})
 
@@ -106,7 +105,7 @@ class Box2DWorld:
 
     def fork(self, *only: str) -> Box2DWorld:
         """Return a noise-free twin; its prey's behaviour starts anew and sees no hunter that is left out."""
-        twin = Box2DWorld(self._quiet(alone=bool(only) and HUNTER not in only))
+        twin = Box2DWorld(self.scene.quiet(alone=bool(only) and HUNTER not in only))
         twin._begin()
         nobody = np.random.default_rng(0)  # every noise is zero: what it draws has no effect
         steered = {body.name for _, body, _ in self._prey}
@@ -114,7 +113,7 @@ class Box2DWorld:
             body = twin._add(name, nobody)
             body.continue_as(self._body(name))
             if name in steered:
-                mind = build_prey(twin._context(nobody))
+                mind = build_prey(Context.of(twin.scene, self.control_interval, nobody))
                 mind = mind if HUNTER in twin.bodies else Alone(mind, 1e6 * self.unit)
                 twin._prey.append((len(twin._drives) - 1, body, mind))
         return twin
@@ -161,20 +160,6 @@ class Box2DWorld:
         if name not in self.bodies:
             raise InputError(f"the world has no body {name!r}; it has {', '.join(self.bodies) or 'none yet'}")
         return self.bodies[name]
-
-    def _context(self, rng: np.random.Generator) -> Context:
-        assert self.scene.prey is not None  # a body that is a prey has been made
-        robot, arena = self.scene.robot, self.scene.arena
-        return Context(self.scene.prey, arena, robot.body.diameter, self.control_interval, rng)
-
-    def _quiet(self, *, alone: bool) -> Scene:
-        """The scene without noise and, for a prey that is alone, without a hunter to sense."""
-        robot = self.scene.robot.model_copy(update={"noise": _NO_NOISE})
-        changes: dict[str, Any] = {"noise": _NO_NOISE, "sensor_noise": 0.0, "turn_sd": 0.0}
-        if alone:
-            changes["senses_hunter"] = False
-        prey = None if self.scene.prey is None else self.scene.prey.model_copy(update=changes)
-        return Scene(robot, prey, self.scene.arena, self.physics)
 
     def _aim(self, until: Reach | None) -> None:
         """Keep whose distance is looked at in every physics step; of nobody, one that is never short enough."""

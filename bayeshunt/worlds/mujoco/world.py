@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.config.schema import NoiseSettings
 from bayeshunt.config.schema.mujoco import MujocoSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait
@@ -27,8 +26,6 @@ from bayeshunt.worlds.prey.behaviours import Alone, Context, Prey, build_prey
 from bayeshunt.worlds.scene import HUNTER, Scene
 
 __all__ = ["MujocoWorld"]
-
-_NO_NOISE = NoiseSettings(slip=0.0, drift_sd=0.0)
 
 
 class MujocoWorld:
@@ -61,7 +58,9 @@ class MujocoWorld:
         for name, pose in start.items():
             self.bodies[name].place(pose)
             if name != HUNTER:
-                self._minds[name] = build_prey(self._context(streams[f"{name}_control"]))
+                self._minds[name] = build_prey(
+                    Context.of(self.scene, self.control_interval, streams[f"{name}_control"])
+                )
         return self._moment(self.data.qpos, 0)
 
     @property
@@ -94,13 +93,13 @@ class MujocoWorld:
     def fork(self, *only: str) -> MujocoWorld:
         """Return a noise-free twin; its prey's behaviour starts anew and sees no hunter that is left out."""
         names = only or tuple(self.bodies)
-        twin = MujocoWorld(self._quiet(alone=HUNTER not in names))
+        twin = MujocoWorld(self.scene.quiet(alone=HUNTER not in names))
         nobody = np.random.default_rng(0)
         twin._begin(names, dict.fromkeys(names, nobody))
         for name in names:
             twin.bodies[name].continue_as(self._body(name))  # type: ignore[arg-type]  # of one kind
             if name in self._minds:
-                mind = build_prey(twin._context(nobody))
+                mind = build_prey(Context.of(twin.scene, self.control_interval, nobody))
                 twin._minds[name] = mind if HUNTER in names else Alone(mind, 1e6 * self.settings.body_length)
         twin._steps = self._steps - self._steps % self._interval  # the clock of its gaits goes on
         return twin
@@ -136,20 +135,6 @@ class MujocoWorld:
         if name not in self.bodies:
             raise InputError(f"the world has no body {name!r}; it has {', '.join(self.bodies) or 'none yet'}")
         return self.bodies[name]
-
-    def _context(self, rng: np.random.Generator) -> Context:
-        assert self.scene.prey is not None
-        robot, arena = self.scene.robot, self.scene.arena
-        return Context(self.scene.prey, arena, robot.body.diameter, self.control_interval, rng)
-
-    def _quiet(self, *, alone: bool) -> Scene:
-        """The scene without noise and, for a prey that is alone, without a hunter to sense."""
-        robot = self.scene.robot.model_copy(update={"noise": _NO_NOISE})
-        changes: dict[str, Any] = {"noise": _NO_NOISE, "sensor_noise": 0.0, "turn_sd": 0.0}
-        if alone:
-            changes["senses_hunter"] = False
-        prey = None if self.scene.prey is None else self.scene.prey.model_copy(update=changes)
-        return Scene(robot, prey, self.scene.arena, self.scene.physics)
 
     def _begin_interval_if_placed(self) -> None:
         if any(body.placed for body in self.bodies.values()):

@@ -18,6 +18,7 @@ from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.geometry import wrap
 from bayeshunt.worlds.noise import gaussians
 from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, Solid, proximity
+from bayeshunt.worlds.scene import Scene
 
 #: Braitenberg weights of the eight sensors on (left, right) wheel: Webots' Khepera controller.
 BRAITENBERG = ((-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5))
@@ -56,6 +57,12 @@ class Context:
         self.hunter_diameter = hunter_diameter
         self.interval = interval
         self.rng = rng
+
+    @classmethod
+    def of(cls, scene: Scene, interval: float, rng: np.random.Generator) -> Context:
+        """Return that of the prey of a scene."""
+        assert scene.prey is not None  # a body that is a prey has been made
+        return cls(scene.prey, scene.arena, scene.robot.body.diameter, interval, rng)
 
     @property
     def walls(self) -> tuple[float, float] | None:

@@ -68,9 +68,10 @@ def distance_to_disc(ox: float, oy: float, dx: float, dy: float, cx: float, cy: 
 
 
 class Solid(NamedTuple):
-    """An obstacle as the sensors meet it: a disc, or a rectangle of half sides ``a``, ``b`` turned by ``angle`` [rad].
+    """An obstacle as the sensors meet it: a disc, or a rectangle of half sides ``a``, ``b``, turned.
 
     x, y: its centre [m]. reach: metres from there to its farthest point; of a disc (``a`` is 0) the radius.
+    cos, sin: of the angle by which a rectangle is turned.
     """
 
     x: float
@@ -78,7 +79,8 @@ class Solid(NamedTuple):
     reach: float
     a: float = 0.0
     b: float = 0.0
-    angle: float = 0.0
+    cos: float = 1.0
+    sin: float = 0.0
 
     @classmethod
     def of(cls, obstacle: ObstacleSettings, scale: float = 1.0) -> Solid:
@@ -87,13 +89,13 @@ class Solid(NamedTuple):
         if obstacle.radius is not None:
             return cls(*centre)
         width, height = obstacle.sides
-        return cls(*centre, 0.5 * width * scale, 0.5 * height * scale, obstacle.angle)
+        return cls(*centre, 0.5 * width * scale, 0.5 * height * scale, cos(obstacle.angle), sin(obstacle.angle))
 
     def distance(self, ox: float, oy: float, dx: float, dy: float) -> float:
         """Return metres from (ox, oy) along (dx, dy) to it; inf where the ray misses, 0 from inside."""
         if not self.a:
             return distance_to_disc(ox, oy, dx, dy, self.x, self.y, self.reach)
-        c, s = cos(self.angle), sin(self.angle)
+        c, s = self.cos, self.sin
         fx, fy = ox - self.x, oy - self.y
         enter, leave = 0.0, inf
         for at, along, half in ((c * fx + s * fy, c * dx + s * dy, self.a), (c * fy - s * fx, c * dy - s * dx, self.b)):

@@ -100,7 +100,7 @@ class RecordedWorld(Box2DWorld):
 
     def fork(self, *only: str) -> RecordedWorld:
         """Return a noise-free twin, whose prey goes on where it is."""
-        twin = RecordedWorld(self._quiet(alone=bool(only) and HUNTER not in only))
+        twin = RecordedWorld(self.scene.quiet(alone=bool(only) and HUNTER not in only))
         twin._begin()
         nobody = np.random.default_rng(0)
         for name in only or self.bodies:
