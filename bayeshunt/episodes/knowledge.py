@@ -15,7 +15,7 @@ __all__ = ["NOTHING", "Knowledge", "known_to"]
 
 
 class Knowledge(NamedTuple):
-    """How the prey moves as far as the hunter can know before it has seen it, and the walls it knows; None: nothing."""
+    """What is believed of how the prey moves before it was seen, per time-step, and the walls; None: nothing."""
 
     motion: TurnModel | None = None
     walls: KnownWalls | None = None
@@ -33,4 +33,4 @@ def known_to(planner: Planner) -> Knowledge:
     if not isinstance(planner, TurningPlanner):
         return NOTHING
     walls = getattr(planner, "walls", None)  # of those that know a room
-    return Knowledge(planner.prior, walls if isinstance(walls, Walls) else None)
+    return Knowledge(planner.step_prior, walls if isinstance(walls, Walls) else None)

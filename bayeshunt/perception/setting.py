@@ -45,7 +45,7 @@ class PerceptionContext:
     hunter, prey: what the world calls the two.
     camera: its settings, for a sensor or a tracker that has one; None: the defaults. start: "shown" or "unknown":
     whether a camera is shown the prey once at the start.
-    motion: how the prey moves as far as the hunter can know before it has seen it; None: nothing is known.
+    motion: how the prey moves per time-step as far as the hunter can know before it has seen it; None: not known.
     walls: those that the hunter has learned of; None: none.
     """
 

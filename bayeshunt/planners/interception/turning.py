@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -94,6 +96,8 @@ class TurningPlanner(PairPlanner):
             threshold=max(chosen.turn_threshold, _WANDER * own.drift),
             prior_drift=own.drift,
         )
+        #: The same belief per time-step, as trackers count; a turn is as far, however short the steps.
+        self.step_prior = self.prior if steps == 1 else _per_step(self.prior, steps)
 
     def legs(self, situation: Situation) -> tuple[Polar, ...]:
         """Return the transitions seen so far, over a leg each."""
@@ -124,3 +128,14 @@ class TurningPlanner(PairPlanner):
         """Return the pair of gaits of the earliest expected capture."""
         situation = check_request(situation, rng, self.hunter)
         return self.choose(situation, self.pairs_from(situation), self.futures(situation))
+
+
+def _per_step(leg: TurnModel, steps: int) -> TurnModel:
+    """Return what is believed of a leg of so many time-steps, of one of them: the same prey in the same time."""
+    return replace(
+        leg,
+        prior_speed=leg.prior_speed / steps,
+        prior_hazard=1.0 - (1.0 - leg.prior_hazard) ** (1.0 / steps),
+        prior_steps=leg.prior_steps * steps,
+        prior_drift=leg.prior_drift / math.sqrt(steps),
+    )

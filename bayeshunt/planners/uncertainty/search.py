@@ -106,30 +106,31 @@ class SearchPlanner(TurningPlanner):
             one = own.compose(situation.prey)
             parts = belief.sample(count, rng=rng) if isinstance(belief, Belief) else one
             pose = Pose(*(np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in parts))
-            speed = np.full(count, known.speed / self.time_step)
-        turn_at, turn = _turns(belief, known, count, self.time_step, rng)
+            speed = np.full(count, known.speed / self.leg)
+        turn_at, turn = self._turns(belief, known, rng)
         return sampled_futures(Start(pose, speed, turn_at, turn), own, self.walls)
+
+    def _turns(self, belief: object, known: TurnModel, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+        """Return when each of K prey turns by chance [s from now], and by how much [rad, clockwise].
+
+        A belief's motion counts by the time-step, what is ``known`` by the leg.
+        """
+        motion: Any = getattr(belief, "motion", None)
+        counted, seconds = (known, self.leg) if motion is None else (motion, self.time_step)
+        count, hazard = self.settings.samples, float(counted.hazard)
+        turns, chances = counted.turn_table
+        if not len(turns) or hazard <= 0.0:
+            return np.full(count, np.inf), np.zeros(count)
+        # Evenly spread over the distribution: with few samples chance alone would make every decision another one.
+        level = (rng.permutation(count) + 0.5) / count
+        steps = np.log1p(-level) / np.log1p(-min(hazard, 0.999))
+        drawn = np.minimum(np.searchsorted(np.cumsum(chances), rng.random(count)), len(turns) - 1)
+        return steps * seconds, turns[drawn]
 
 
 def _seen_moving(situation: Situation) -> bool:
     """Whether anything of the prey's motion has been observed."""
     return bool(situation.transitions) or getattr(getattr(situation.belief, "motion", None), "steps", 0.0) > 0.0
-
-
-def _turns(
-    belief: object, known: TurnModel, count: int, step: float, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Return when each of K prey turns by chance [s from now], and by how much [rad, clockwise]."""
-    motion: Any = getattr(belief, "motion", None)
-    hazard = float(known.hazard if motion is None else motion.hazard)
-    turns, chances = known.turn_table if motion is None else motion.turn_table
-    if not len(turns) or hazard <= 0.0:
-        return np.full(count, np.inf), np.zeros(count)
-    # Evenly spread over the distribution: with few samples chance alone would make every decision another one.
-    level = (rng.permutation(count) + 0.5) / count
-    steps = np.log1p(-level) / np.log1p(-min(hazard, 0.999))
-    drawn = np.minimum(np.searchsorted(np.cumsum(chances), rng.random(count)), len(turns) - 1)
-    return steps * step, turns[drawn]
 
 
 #: The planner by the name that it is registered under.

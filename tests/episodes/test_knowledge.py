@@ -1,0 +1,35 @@
+"""What a planner hands on to a tracker: per time-step, whatever the legs that it compares motions over."""
+
+import numpy as np
+import pytest
+
+import bayeshunt as bh
+from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.episodes.knowledge import known_to
+from bayeshunt.models.target.prey import PreyModel
+from bayeshunt.planners.api import Situation
+
+
+@pytest.fixture(scope="module")
+def legs(khepera_model):
+    """Two hunters: of legs of one time-step, and of two."""
+    one, two = (bh.make_planner("search", khepera_model, leg=leg, hazard=0.5) for leg in (3.4, 6.8))
+    assert (one.steps, two.steps) == (1, 2)
+    return one, two
+
+
+def test_what_is_known_of_the_prey_is_per_time_step(legs):
+    one, two = (known_to(planner).motion for planner in legs)
+    assert one is legs[0].prior
+    assert two.prior_speed == pytest.approx(one.prior_speed, rel=0.02)  # the same top speed
+    assert two.prior_drift == pytest.approx(one.prior_drift, rel=0.02)
+    assert (1.0 - two.prior_hazard) ** 2 == pytest.approx(1.0 - one.prior_hazard)  # both of a leg
+    assert two.prior_steps == 2.0 * one.prior_steps
+
+
+def test_a_searching_hunter_counts_speed_and_turns_by_the_leg(legs):
+    case = Situation(Polar(0.4, 0.1, 0.5), PreyModel(), pose=Pose(0.0, 0.0, 0.0))
+    for planner in legs:
+        futures = planner.sampled(case, np.random.default_rng(0))
+        assert futures.speed == pytest.approx(planner.prior.prior_speed / planner.leg)
+        assert (futures.starts[:, 1] <= planner.leg).mean() == pytest.approx(0.5, abs=0.03)  # hazard per leg
