@@ -26,11 +26,7 @@ NOTHING = Knowledge()
 
 def known_to(planner: Planner) -> Knowledge:
     """Return what a planner knows: of those that intercept, what they take a prey to do, and the walls of the arena."""
-    from bayeshunt.planners.interception.bouncing import Walls
     from bayeshunt.planners.interception.turning import TurningPlanner  # brings models, and pandas
 
     planner = planner.planner if isinstance(planner, Timed) else planner
-    if not isinstance(planner, TurningPlanner):
-        return NOTHING
-    walls = getattr(planner, "walls", None)  # of those that know a room
-    return Knowledge(planner.step_prior, walls if isinstance(walls, Walls) else None)
+    return Knowledge(planner.step_prior, planner.prey_walls()) if isinstance(planner, TurningPlanner) else NOTHING

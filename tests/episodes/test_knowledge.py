@@ -5,7 +5,8 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.core.geometry import Polar, Pose
-from bayeshunt.episodes.knowledge import known_to
+from bayeshunt.episodes.knowledge import NOTHING, known_to
+from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Situation
 
@@ -33,3 +34,17 @@ def test_a_searching_hunter_counts_speed_and_turns_by_the_leg(legs):
         futures = planner.sampled(case, np.random.default_rng(0))
         assert futures.speed == pytest.approx(planner.prior.prior_speed / planner.leg)
         assert (futures.starts[:, 1] <= planner.leg).mean() == pytest.approx(0.5, abs=0.03)  # hazard per leg
+
+
+@pytest.mark.parametrize("name", ["intercept_walls", "detour", "search"])
+def test_walls_are_those_of_the_prey_not_of_the_hunter(khepera_model, name):
+    sides = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    room = RoomModel(sides, np.full(4, 0.57), np.full(4, 1.1), np.full(4, 50))
+    walls = known_to(bh.make_planner(name, khepera_model, room=room, clearance=0.5, rebound=0.4)).walls
+    assert walls.offsets == pytest.approx([0.57 - 0.5 * khepera_model.gaits.body_length] * 4)
+    assert walls.rebound == pytest.approx(0.4)
+
+
+def test_who_knows_no_room_knows_no_walls(khepera_model):
+    assert known_to(bh.make_planner("intercept", khepera_model)).walls is None
+    assert known_to(bh.make_planner("planning", khepera_model)) == NOTHING

@@ -106,6 +106,10 @@ class InterceptWallsPlanner(TurningPlanner):
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
         return mix(parts) if len(parts) > 1 else turned
 
+    def prey_walls(self) -> Walls:
+        """Return the walls as a prey turns away from them that has not been seen at one."""
+        return self._kept(self.habits)
+
     def at_walls(self, situation: Situation) -> AtWalls:
         """Return what the prey has done at walls, and away from them, in this hunt; its ``table()`` opens it."""
         if situation.pose is None:
@@ -116,7 +120,7 @@ class InterceptWallsPlanner(TurningPlanner):
     def _at_walls(self, now: Pose, legs: tuple[Polar, ...], run: float) -> AtWalls:
         """Count the legs that the prey, at ``now``, has come; ``run``: metres of a leg if it does not turn."""
         poses = [*earlier_poses(now, legs), now]
-        walls = self._kept(self.habits)
+        walls = self.prey_walls()
         left: list[tuple[float, float]] = []
         kept = elsewhere = strays = 0
         for leg, (before, after) in zip(legs, itertools.pairwise(poses), strict=True):

@@ -14,6 +14,7 @@ from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
 from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.pairs import PairPlanner
@@ -106,6 +107,10 @@ class TurningPlanner(PairPlanner):
     def prey(self, situation: Situation) -> TurnModel:
         """Return what is known of the prey, per leg: the prior and the transitions seen so far."""
         return self.prior.learn(self.legs(situation))
+
+    def prey_walls(self) -> Walls | None:
+        """Return the walls that the prey's centre is believed not to leave, in the frame of the start; None: none."""
+        return None
 
     def turning(self, situation: Situation, known: TurnModel | None = None) -> Futures:
         """Return the weighted futures of a prey that turns by chance, as the hunter sees them now.

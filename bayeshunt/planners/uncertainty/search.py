@@ -95,6 +95,10 @@ class SearchPlanner(TurningPlanner):
             prey_known=_seen_moving(situation),
         )  # fmt: skip
 
+    def prey_walls(self) -> Walls:
+        """Return the walls where the prey turns away."""
+        return self.walls
+
     def sampled(self, situation: Situation, rng: np.random.Generator) -> Futures:
         """Return equally weighted futures, drawn from the belief; without one, of the pose that is told."""
         count = self.settings.samples
