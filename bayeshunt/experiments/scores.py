@@ -20,7 +20,6 @@ from bayeshunt.core.errors import InputError
 _Z95 = 1.959963984540054
 
 
-@checked
 def wilson_interval(successes: int, runs: int) -> tuple[float, float]:
     """Return the 95 % Wilson score interval of a success rate; (0, 1) for no runs.
 

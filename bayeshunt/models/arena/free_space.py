@@ -43,7 +43,6 @@ class FreeSpace(displays.Displayed):
     hits: np.ndarray
 
     @classmethod
-    @checked
     def empty(cls, cell: float) -> FreeSpace:
         """Return the table of a hunter that has been nowhere but at its start."""
         return cls(cell, (0, 0), np.ones((1, 1), dtype=np.int64), np.zeros((1, 1), dtype=np.int64))
@@ -113,7 +112,6 @@ class FreeSpace(displays.Displayed):
             found.append(np.clip(number, 0, self.visits.shape[axis] + 2 * margin - 1))
         return found[0], found[1]
 
-    @checked
     def table(self, level: float = 0.95) -> pd.DataFrame:
         """Return one row per cell that was visited or hit.
 

@@ -48,7 +48,6 @@ class InverseModel(displays.Displayed):
 
     @checked
     def __init__(self, model: ForwardModel) -> None:
-        check_kind(model, "model", ForwardModel, "a ForwardModel")
         model = model.binned
         self._cells = model.learned_cells  # [M, 2], sorted
         if not len(self._cells):
@@ -96,7 +95,6 @@ class InverseModel(displays.Displayed):
         Raises InputError for a number out of range, and with ``snap=False``
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
         """
-        check_kind(snap, "snap", bool, "True or False")
         try:
             d, a = float(distance), float(angle)
         except (TypeError, ValueError):  # no check beforehand: this is the innermost loop of a hunt
@@ -113,8 +111,9 @@ class InverseModel(displays.Displayed):
         if row is None:
             row = self._nearest(d, a, d_bins, a_bins)
         source = self._sources[row] or self._source(row)
-        if heading is None and snap:
+        if heading is None and snap is True:
             return _make(Posterior, (source, d, a, None, snapped))
+        check_kind(snap, "snap", bool, "True or False")
         return self._careful(Posterior(source, d, a, heading, snapped), snap)
 
     def posterior_many(self, distances: Any, angles: Any) -> np.ndarray:
@@ -134,7 +133,6 @@ class InverseModel(displays.Displayed):
         check_bearings(a, "target angles", _TURNS)
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
 
-    @checked
     def posterior_of(self, samples: Any, weights: Any = None) -> pd.Series:
         """Return ``sum_k w_k P(Gait | target_k)``: which gait leads there when the target is not a point.
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
-from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.files.atomic import check_path
@@ -39,8 +38,6 @@ def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAx
     Raises InputError in one line for an unreadable file, other variables or edges, states that do not
     fit, or columns that do not sum to 1.
     """
-    if axes is not None:
-        check_kind(axes, "axes", EffectAxes, "an EffectAxes, such as EffectAxes.standard(0.057)")
     found, labels = _open(path)
     return _model(found, labels, gaits, axes, os.fspath(path))
 
