@@ -9,8 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.core.errors import ZeroCountError
+from bayeshunt.core.geometry import FloatArray
 
-__all__ = ["credible_interval", "entropy", "normalise"]
+__all__ = ["credible_interval", "entropy", "normalise", "spatial_median"]
+
+_NO_DISTANCE = 1e-9  # added to distances, so that a value at the median itself has a weight
 
 
 def normalise(counts: np.ndarray, prior: float = 0.0, *, name: str = "table") -> np.ndarray:
@@ -71,3 +74,16 @@ def credible_interval(
     if prior > 0:
         return low, high
     return np.where(observed == 0, 0.0, low), np.where(others == 0, 1.0, high)
+
+
+def spatial_median(values: FloatArray, *, axis: int, rounds: int) -> FloatArray:
+    """Return the places with the least mean distance to complex ``values`` along ``axis``, in ``rounds`` of Weiszfeld.
+
+    Source: E. Weiszfeld, Sur le point pour lequel la somme des distances de n points donnés est minimum, Tohoku
+    Mathematical Journal 43 (1937). The unit is that of the values.
+    """
+    found = values.mean(axis=axis)
+    for _ in range(rounds):
+        weight = 1.0 / (np.abs(values - np.expand_dims(found, axis)) + _NO_DISTANCE)
+        found = (weight * values).sum(axis=axis) / weight.sum(axis=axis)
+    return np.asarray(found)

@@ -12,7 +12,8 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.core.geometry import Pose
-from bayeshunt.models.target.following import ConstantVelocity, places_of, spatial_medians
+from bayeshunt.core.statistics import spatial_median
+from bayeshunt.models.target.following import ConstantVelocity, places_of
 
 
 def test_transitions_put_together_are_the_path() -> None:
@@ -35,7 +36,7 @@ def test_constant_velocity_by_hand() -> None:
 
 def test_the_median_is_not_drawn_by_what_is_far() -> None:
     draws = np.array([[0j], [1e-3], [1j * 1e-3], [50.0]])
-    assert abs(spatial_medians(draws, rounds=200)[0]) < 2e-3
+    assert abs(spatial_median(draws, axis=0, rounds=200)[0]) < 2e-3
 
 
 def walkers(count: int) -> pd.DataFrame:

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayeshunt.core.geometry import FloatArray, Polar
+from bayeshunt.core.statistics import spatial_median
 
 __all__ = ["points"]
 
 #: Weight [rows] of the coarser key, and of all rows together, which are hardly a guess at what one gait does.
 BACKOFF, _EVERYONE = 2.0, 0.5
+_ROUNDS = 50  # of the spatial median
 
 
 def points(
@@ -30,7 +32,7 @@ def points(
     places = np.asarray(outcomes.forward + 1j * outcomes.right)
     facing = np.exp(1j * np.asarray(outcomes.heading))
     count = len(asked[0])
-    place, face = np.full(count, median(places)), np.full(count, median(facing))
+    place, face = np.full(count, _median(places)), np.full(count, _median(facing))
     for depth, (level, mine) in enumerate(zip(keys, asked, strict=True)):
         above = backoff if depth else min(backoff, _EVERYONE)
         for key in np.unique(mine):
@@ -40,15 +42,11 @@ def points(
                 continue
             here = mine == key
             weight = number / (number + above)
-            place[here] = weight * median(places[rows]) + (1 - weight) * place[here]
-            face[here] = weight * median(facing[rows]) + (1 - weight) * face[here]
+            place[here] = weight * _median(places[rows]) + (1 - weight) * place[here]
+            face[here] = weight * _median(facing[rows]) + (1 - weight) * face[here]
     return Polar.from_cartesian(place.real, place.imag, np.angle(face))
 
 
-def median(values: FloatArray) -> complex:
-    """Return the spatial median of complex values [N] (Weiszfeld)."""
-    found = values.mean()
-    for _ in range(50):
-        weight = 1.0 / (np.abs(values - found) + 1e-9)
-        found = (weight * values).sum() / weight.sum()
-    return complex(found)
+def _median(values: FloatArray) -> complex:
+    """Spatial median of complex values [N]."""
+    return complex(spatial_median(values, axis=0, rounds=_ROUNDS))

@@ -8,24 +8,17 @@ from __future__ import annotations
 import numpy as np
 
 from bayeshunt.core.geometry import FloatArray
+from bayeshunt.core.statistics import spatial_median
 
-__all__ = ["BEST_OF", "SCORES", "at_times", "sampled_scores", "spatial_median"]
+__all__ = ["BEST_OF", "SCORES", "at_times", "sampled_scores"]
 
 #: Names of the scores, as columns.
 SCORES = ("ade", "fde", "best20_ade", "best20_fde", "energy", "nll", "cover50", "cover90")
 #: Samples of which the best is taken.
 BEST_OF = 20
+_ROUNDS = 30  # of the spatial median
 _FLAT = 0.001  # share of a uniform density over the whole area in the kernel density
 _CHUNK = 200
-
-
-def spatial_median(samples: FloatArray) -> FloatArray:
-    """Return the place [N, S] with the least mean distance to the samples [N, K, S], step by step (Weiszfeld)."""
-    found = samples.mean(axis=1)
-    for _ in range(30):
-        weight = 1.0 / (np.abs(samples - found[:, None]) + 1e-9)
-        found = (weight * samples).sum(axis=1) / weight.sum(axis=1)
-    return np.asarray(found)
 
 
 def at_times(steps: int) -> np.ndarray:
@@ -49,7 +42,7 @@ def sampled_scores(samples: FloatArray, came: FloatArray, *, floor: float, area:
 
 
 def _of_chunk(samples: FloatArray, came: FloatArray, floor: float, area: float) -> FloatArray:
-    point = samples[:, 0] if samples.shape[1] == 1 else spatial_median(samples)
+    point = samples[:, 0] if samples.shape[1] == 1 else spatial_median(samples, axis=1, rounds=_ROUNDS)
     error = np.abs(point - came)
     best = np.abs(samples[:, :BEST_OF] - came[:, None])
     densities = [_density(samples[:, :, t], came[:, t], floor, area) for t in at_times(came.shape[1])]

@@ -14,15 +14,17 @@ import numpy as np
 
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
+from bayeshunt.core.statistics import spatial_median
 
 if TYPE_CHECKING:
     from bayeshunt.models.target.conditions import Conditions
 
-__all__ = ["MOST_FOLLOWED", "ConstantVelocity", "foreseen_path", "mean_transition", "places_of", "spatial_medians"]
+__all__ = ["MOST_FOLLOWED", "ConstantVelocity", "foreseen_path", "mean_transition", "places_of"]
 
 #: Transitions of the present prey that are remembered.
 MOST_FOLLOWED = 32
 _DRAWS = 64
+_ROUNDS = 20  # of the spatial median
 _STANDS = 0.1  # a step shorter than this share of the typical one has no direction
 _SEED = 20102  # private, so that the same path is foreseen when it is asked for again
 
@@ -96,20 +98,11 @@ def foreseen_path(conditions: Conditions, transitions: Sequence[Polar], steps: i
         places = np.concatenate([places[0] - (places[1] - places[0]) * np.arange(more, 0, -1), places])
     asked = max(1, steps if residual is None else min(steps, residual.steps))
     draws = conditions.futures(places[None], asked, _DRAWS, rng=np.random.default_rng(_SEED), headings=None)
-    path = np.concatenate([[0j], spatial_medians(draws[0])])
+    path = np.concatenate([[0j], spatial_median(draws[0], axis=0, rounds=_ROUNDS)])
     if steps > asked:
         path = np.concatenate([path, path[-1] + (path[-1] - path[-2]) * np.arange(1, steps - asked + 1)])
     path = path[: steps + 1]
     return Polar.from_cartesian(path.real, -path.imag, _headings(path, _STANDS * conditions.scale))
-
-
-def spatial_medians(draws: FloatArray, rounds: int = 20) -> FloatArray:
-    """Return the spatial median [S] of complex draws [n, S] (Weiszfeld)."""
-    found = draws.mean(axis=0)
-    for _ in range(rounds):
-        weight = 1.0 / (np.abs(draws - found) + 1e-9)
-        found = (weight * draws).sum(axis=0) / weight.sum(axis=0)
-    return np.asarray(found)
 
 
 def _headings(path: FloatArray, least: float) -> FloatArray:
