@@ -146,8 +146,9 @@ def assess(
     comparison, found = compare(rows, others, fold, prior, naive)
     structure = NAIVE if model is None else model.structure
     predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
-    variables = scores.variable_scores(rows, predicted, fold, prior)
-    gains = scores.gains_of_gait(rows, predicted, fold, prior)
+    blind = scores.gait_blind(rows, fold, prior)
+    variables = scores.variable_scores(rows, predicted, blind)
+    gains = scores.gains_of_gait(rows, predicted, blind)
     return Assessment(
         settings={
             "rows": len(scored), "folds": int(folds), "seed": int(seed), "prior": float(prior),

@@ -131,17 +131,28 @@ def brier(forecast: np.ndarray, happened: np.ndarray) -> float:
     return float((np.square(forecast).sum(axis=1) - 2.0 * sure + 1.0).mean())
 
 
-def variable_scores(rows: CodedRows, predicted: HeldOut, fold: np.ndarray, prior: float) -> pd.DataFrame:
+def gait_blind(rows: CodedRows, fold: np.ndarray, prior: float) -> dict[str, np.ndarray]:
+    """Return effect -> held-out P(effect) [N, S], the same for every gait."""
+    forecasts = {effect: np.empty((len(fold), rows.sizes[effect])) for effect in EFFECTS}
+    for test in (fold == k for k in np.unique(fold)):
+        counts = rows.count(~test)
+        for effect, forecast in forecasts.items():
+            forecast[test] = conditional(counts.tabulate((effect,)), prior)
+    return forecasts
+
+
+def variable_scores(rows: CodedRows, predicted: HeldOut, blind: dict[str, np.ndarray]) -> pd.DataFrame:
     """Return one row per effect: log_loss, brier, and both for a forecast that ignores the gait.
 
+    blind: as :func:`gait_blind` returns it.
     density, density_without_gait: the log-losses per metre or radian, log_loss + log(width of a bin): they compare
     over bins, as log-losses do not. impossible: rows whose outcome had probability 0.
     """
     records = []
     for effect in EFFECTS:
         forecast, happened = predicted.forecasts[effect], rows.column(effect)
-        blind = _gait_blind(rows, effect, fold, prior)
-        loss, without, width = log_loss(forecast, happened), log_loss(blind, happened), rows.axes[effect].width
+        without, width = log_loss(blind[effect], happened), rows.axes[effect].width
+        loss = log_loss(forecast, happened)
         records.append(
             {
                 "log_loss": loss,
@@ -149,30 +160,22 @@ def variable_scores(rows: CodedRows, predicted: HeldOut, fold: np.ndarray, prior
                 "density": loss + math.log(width),
                 "density_without_gait": without + math.log(width),
                 "log_loss_without_gait": without,
-                "brier_without_gait": brier(blind, happened),
+                "brier_without_gait": brier(blind[effect], happened),
                 "impossible": int((forecast[np.arange(len(happened)), happened] == 0).sum()),
             }
         )
     return pd.DataFrame(records, index=pd.Index(EFFECTS, name="variable"))
 
 
-def gains_of_gait(rows: CodedRows, predicted: HeldOut, fold: np.ndarray, prior: float) -> np.ndarray:
-    """Return the nats [N, 3] that knowing the gait gained in each row and effect, below 0 where it cost."""
+def gains_of_gait(rows: CodedRows, predicted: HeldOut, blind: dict[str, np.ndarray]) -> np.ndarray:
+    """Return the nats [N, 3] that the gait gained over ``blind`` in each row and effect, below 0 where it cost."""
     gains, each = [], np.arange(len(rows.codes))
     for effect in EFFECTS:
         happened = rows.column(effect)
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.log(predicted.forecasts[effect][each, happened])
-            gains.append(own - np.log(_gait_blind(rows, effect, fold, prior)[each, happened]))
+            gains.append(own - np.log(blind[effect][each, happened]))
     return np.column_stack(gains)
-
-
-def _gait_blind(rows: CodedRows, effect: str, fold: np.ndarray, prior: float) -> np.ndarray:
-    """Held-out P(effect) [N, S], the same for every gait."""
-    forecast = np.empty((len(fold), rows.sizes[effect]))
-    for test in (fold == k for k in np.unique(fold)):
-        forecast[test] = conditional(rows.count(~test).tabulate((effect,)), prior)
-    return forecast
 
 
 def reliability(rows: CodedRows, predicted: HeldOut) -> pd.DataFrame:
