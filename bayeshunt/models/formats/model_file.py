@@ -30,7 +30,8 @@ from bayeshunt.models.counting.previous import PreviousCounts
 from bayeshunt.models.motion.residuals import UNICYCLE, Residuals
 from bayeshunt.models.motion.unicycle import Unicycle
 from bayeshunt.models.tables.counted import ContextTables, CountedTables, tables_of
-from bayeshunt.models.tables.residual import DrawnTables, ResidualTables
+from bayeshunt.models.tables.drawn import DrawnTables
+from bayeshunt.models.tables.residual import ResidualTables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 

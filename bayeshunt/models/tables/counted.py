@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -38,11 +38,21 @@ __all__ = ["GAIT_PRIORS", "ContextTables", "CountedTables", "tables_of"]
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")
-_LEANT = "pseudo-counts of the back-off, {:g} rows of each gait's own table"
+
+
+class _RowTables(TableSource):
+    """Tables that can count further rows."""
+
+    def learn(self, rows: pd.DataFrame) -> Self:
+        """Return the tables that have also counted ``rows``."""
+        more: Any = self.count(rows)
+        made = tables_of(self.counted.merge(more), self.prior, self.gait_prior, self.structure, self.backoff)
+        assert isinstance(made, type(self))
+        return made
 
 
 @dataclass(frozen=True)
-class CountedTables(TableSource):
+class CountedTables(_RowTables):
     """Tables of rows counted together.
 
     pooled: of a part of a model, the tables of all its rows. P(Gait) is theirs, because the robot chooses
@@ -116,25 +126,14 @@ class CountedTables(TableSource):
 
     def pseudo_counts(self, variable: str) -> np.ndarray | float:
         """Dirichlet pseudo-counts of each cell: [K, G] where the part leans on the pooled tables."""
-        if self.pooled is None or self.backoff is None or variable == "Gait":
-            return self.prior
-        return self.backoff * self.pooled.effects.local[variable]
+        leant = None if variable == "Gait" else self.local_pseudo(variable)
+        return self.prior if leant is None else leant
 
     def local_pseudo(self, effect: str) -> np.ndarray | None:
         """Pseudo-counts of the tables leant on; None where the part stands alone."""
-        return self.backoff * self.pooled.effects.local[effect] if self.pooled is not None and self.backoff else None
-
-    @property
-    def pseudo_words(self) -> str:
-        """Which pseudo-counts an interval rests on."""
-        return super().pseudo_words if self.pooled is None or self.backoff is None else _LEANT.format(self.backoff)
-
-    def learn(self, rows: pd.DataFrame) -> CountedTables:
-        """Return the tables that have also counted ``rows``."""
-        more: Any = self.count(rows)
-        made = tables_of(self.counted.merge(more), self.prior, self.gait_prior, self.structure, self.backoff)
-        assert isinstance(made, CountedTables)
-        return made
+        if self.pooled is None or self.backoff is None:
+            return None
+        return self.backoff * self.pooled.effects.local[effect]
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of this context; all, if there is none."""
@@ -150,7 +149,7 @@ class CountedTables(TableSource):
 
 
 @dataclass(frozen=True)
-class ContextTables(TableSource):
+class ContextTables(_RowTables):
     """Tables of rows counted by the gait before: P(effect | Gait, PreviousGait).
 
     by_previous: the counts of the rows after each gait; ``joint`` holds the same rows together.
@@ -220,11 +219,6 @@ class ContextTables(TableSource):
         return None if self.backoff is None else self.backoff * self.pooled.effects.local[effect][:, :, None]
 
     @property
-    def pseudo_words(self) -> str:
-        """Which pseudo-counts an interval rests on."""
-        return super().pseudo_words if self.backoff is None else _LEANT.format(self.backoff)
-
-    @property
     def learned_cells(self) -> np.ndarray:
         """Int64 [M, 2]: the (Distance, Angle) bins that rows fell into, sorted."""
         return self.pooled.learned_cells
@@ -251,13 +245,6 @@ class ContextTables(TableSource):
             raise InputError("structure 'previous_gait' needs PreviousCounts: these do not know the gait before")
         parts = zip(self.gaits.names, seen.after, strict=True)
         return sum(self.given({PREVIOUS: name}).log_likelihood(part) for name, part in parts if part.total)
-
-    def learn(self, rows: pd.DataFrame) -> ContextTables:
-        """Return the tables that have also counted ``rows``."""
-        more: Any = self.count(rows)
-        made = tables_of(self.counted.merge(more), self.prior, self.gait_prior, self.structure, self.backoff)
-        assert isinstance(made, ContextTables)
-        return made
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows that a gait went before."""

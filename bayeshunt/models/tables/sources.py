@@ -36,6 +36,7 @@ class TableSource(ABC):
     prior: Dirichlet pseudo-count per cell. gait_prior: "uniform" or "empirical".
     structure: the edges. known: states of other variables that the tables are conditioned on.
     backoff: rows that P(effect | Gait) is worth in the tables given the gait before; None: no back-off.
+    residuals: the motion behind the tables; None: they know of none.
     """
 
     joint: JointCounts
@@ -44,6 +45,7 @@ class TableSource(ABC):
     structure: Structure
     known: Mapping[str, str]
     backoff: float | None = None
+    residuals: Residuals | None = None
 
     # --- what it is of ------------------------------------------------------------------------
 
@@ -66,11 +68,6 @@ class TableSource(ABC):
     @property
     def residual_of(self) -> str | None:
         """The motion whose residuals the tables count, "unicycle"; None: they count the poses themselves."""
-        return None
-
-    @property
-    def residuals(self) -> Residuals | None:
-        """The motion behind the tables; None: they know of none."""
         return None
 
     @property
@@ -106,6 +103,8 @@ class TableSource(ABC):
     @property
     def pseudo_words(self) -> str:
         """Which pseudo-counts an interval rests on: "pseudo-count 0.5 a cell"."""
+        if self.backoff is not None:
+            return f"pseudo-counts of the back-off, {self.backoff:g} rows of each gait's own table"
         if self.prior > 0:
             return f"pseudo-count {self.prior:g} a cell, the model's prior"
         return "pseudo-count 1/K a cell (K bins), as the model has no prior"
