@@ -44,7 +44,6 @@ __all__ = ["MODELS", "Walker", "follow", "summary", "walkers_of"]
 MODELS = ("counts", "table", "constant_velocity", "conditioned")
 _PRESET, _ARENA = "follow", "open"
 _BOOTSTRAPS = 2000
-#: A company's middle distance is aimed at this far behind the walker, as a share of the band.
 _NEVER = 1e-3  # bodies: nobody is ever caught at this distance
 
 
@@ -140,7 +139,7 @@ def follow(
     people = walkers_of(tracks, chosen, walkers, seed, thetas=settings.protocol.thetas)
     body = learn_model(settings, seed) if model is None else model
     hunter = make_planner(planner, body)
-    known: dict[tuple[str, str], TargetModel | None] = {}
+    known: dict[str, dict[str, TargetModel | None]] = {}
     records = []
     with tempfile.TemporaryDirectory() as folder:
         for walker in people:
@@ -148,10 +147,11 @@ def follow(
             if not file.exists():
                 tracks_file.save(tracks[tracks["scene"].astype(str) == walker.scene], file)
             own = _settings(settings, file, walker)
+            if walker.scene not in known:
+                others = tracks[tracks["scene"].astype(str) != walker.scene] if learn_from is None else learn_from
+                known[walker.scene] = _prey_models(models, others, body)
             for name in models:
-                if (name, walker.scene) not in known:
-                    known[name, walker.scene] = _prey_model(name, walker.scene, tracks, learn_from, body)
-                records.append(_followed(own, hunter, walker, name, known[name, walker.scene], band))
+                records.append(_followed(own, hunter, walker, name, known[walker.scene][name], band))
                 if progress is not None:
                     progress(1)
     return pd.DataFrame(records)
@@ -190,18 +190,17 @@ def _settings(settings: ExperimentSettings, file: Path, walker: Walker) -> Exper
     return settings.model_copy(update={"prey": prey, "protocol": protocol})
 
 
-def _prey_model(
-    name: str, scene: str, tracks: pd.DataFrame, learn_from: pd.DataFrame | None, body: ForwardModel
-) -> TargetModel | None:
-    if name == "counts":
-        return None  # the hunt makes one that knows nothing
-    if name == "constant_velocity":
-        return ConstantVelocity()
-    others = tracks[tracks["scene"].astype(str) != scene] if learn_from is None else learn_from
-    if not len(others):
-        raise InputError(f"model {name!r} is learned from other scenes; give tracks of more than one scene")
-    rows = transitions(others, body.gaits.need("duration"))
-    return PreyModel.fit(rows) if name == "table" else PreyModel.fit(rows, "speed", "constant_velocity")
+def _prey_models(names: Sequence[str], others: pd.DataFrame, body: ForwardModel) -> dict[str, TargetModel | None]:
+    """The prey models of these names, the learned ones fitted to other people; None: the hunt makes an empty one."""
+    made: dict[str, TargetModel | None] = {"counts": None, "constant_velocity": ConstantVelocity()}
+    learned = [name for name in names if name not in made]
+    if learned:
+        if not len(others):
+            raise InputError(f"model {learned[0]!r} is learned from other scenes; give tracks of more than one scene")
+        rows = transitions(others, body.gaits.need("duration"))
+        for name in learned:
+            made[name] = PreyModel.fit(rows) if name == "table" else PreyModel.fit(rows, "speed", "constant_velocity")
+    return made
 
 
 def _followed(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -98,8 +99,7 @@ def _room(
         map_of(settings.arenas[arena]), settings.protocol.hunter_pose, settings.robot.body.body_length, looks=amount,
         reach=_REACH, above=kind == RAISED, error=_ERROR, rng=np.random.default_rng([seed, amount]),
     )  # fmt: skip
-    empty = RoomModel.empty()
-    return RoomModel(empty.normals, empty.offsets, empty.lengths, empty.blocked, {}, space)
+    return replace(RoomModel.empty(), space=space)
 
 
 def _hunts(
@@ -148,7 +148,7 @@ def _shortest(settings: ExperimentSettings, arena: str, start: Pose, goal: Pose)
 def _summary(hunts: pd.DataFrame) -> dict[str, Any]:
     chose = hunts[hunts["side"] != 0]
     right = int((chose["side"] == chose["shortest"]).sum())
-    low, high = wilson_interval(right, len(chose)) if len(chose) else (0.0, 1.0)
+    low, high = wilson_interval(right, len(chose))
     return {
         "hunts": len(hunts), "chose": len(chose), "right": right, "right_low": low, "right_high": high,
         "reached": int(hunts["reached"].sum()), "time_s": float(hunts["time"].mean()),
