@@ -79,7 +79,7 @@ class Reader:
     """
 
     def __init__(self, path: str | os.PathLike[str], *, what: str, fix: str) -> None:
-        self._name, self._what, self._mend = os.fspath(path), what, fix
+        self._name, self._what, self._fix = os.fspath(path), what, fix
         if not Path(path).is_file():
             raise DataError(f"{self._name}: no such file; {fix}")
         with self._reporting():
@@ -118,7 +118,7 @@ class Reader:
             yield pa.Table.from_batches([batch]).replace_schema_metadata(None)
 
     def _reporting(self) -> _Reporting:
-        return _Reporting(f"{self._name}: cannot be read as {self._what}", self._mend)
+        return _Reporting(f"{self._name}: cannot be read as {self._what}", self._fix)
 
 
 class _Reporting:

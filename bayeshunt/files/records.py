@@ -112,7 +112,7 @@ class RecordKind:
             record = json.loads(text, parse_constant=_refuse)
         except (ValueError, RecursionError) as error:
             reason = str(error).splitlines()[0]
-            raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason}); {self._mend}") from None
+            raise ModelFileError(f"{name}: not JSON, damaged or cut short ({reason}); {self._fix}") from None
         if not isinstance(record, dict):
             raise self.stranger(name)
         return record
@@ -124,26 +124,26 @@ class RecordKind:
             raise ModelFileError(f"{name}: format {version} is newer than {newest}, the newest known here; upgrade")
         if isinstance(version, bool) or version not in self.versions:
             known = " or ".join(map(str, self.versions))
-            raise ModelFileError(f"{name}: format is {version!r}; expected {known}; {self._mend}")
+            raise ModelFileError(f"{name}: format is {version!r}; expected {known}; {self._fix}")
         return int(version)
 
     def check_sum(self, stated: Any, computed: str, name: str) -> None:
         """Raise ModelFileError unless both checksums are the same."""
         if stated != computed:
-            raise ModelFileError(f"{name}: the checksum does not match: the file was edited or damaged; {self._mend}")
+            raise ModelFileError(f"{name}: the checksum does not match: the file was edited or damaged; {self._fix}")
 
     def malformed(self, name: str, error: Exception) -> ModelFileError:
         """Return the error for content that is sound but makes no sense."""
         reason = (str(error).splitlines() or [""])[0][:120]
-        return ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason}); {self._mend}")
+        return ModelFileError(f"{name}: malformed content ({type(error).__name__}: {reason}); {self._fix}")
 
     @property
-    def _mend(self) -> str:
+    def _fix(self) -> str:
         return f"give a file made by: {self.maker}"
 
     def stranger(self, name: str, why: str = "") -> ModelFileError:
         """Return the error for a file of another kind."""
-        return ModelFileError(f"{name}: not a {self.name}{why}; {self._mend}")
+        return ModelFileError(f"{name}: not a {self.name}{why}; {self._fix}")
 
 
 def _refuse(constant: str) -> NoReturn:

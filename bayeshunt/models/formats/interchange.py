@@ -156,12 +156,12 @@ def _axes(labels: dict[str, list[str]], name: str) -> EffectAxes:
         if set(axis.labels) != set(labels[axis.name]):
             raise InputError(
                 f"{name}: the states of {axis.name} ({labels[axis.name][0]!r}, ...) are not bin labels such as "
-                f"{axis.labels[0]!r}; {_mend(name)}"
+                f"{axis.labels[0]!r}; {_fix(name)}"
             )
     return axes
 
 
-def _mend(name: str) -> str:
+def _fix(name: str) -> str:
     """What to do where the states of a file are no bins."""
     return f"name them in a label map, {xmlbif.labels_path(name)}, or give axes= in Python"
 
@@ -173,7 +173,7 @@ def _width(labels: list[str], name: str) -> float:
         return round(reach / len(labels), 9) / 1000  # labels are in millimetres, rounded
     except (IndexError, ValueError):
         raise InputError(
-            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; {_mend(name)}"
+            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; {_fix(name)}"
         ) from None
 
 
