@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
@@ -20,7 +20,7 @@ from bayeshunt.models.tables.structures import depends_on_previous
 __all__ = ["WritableModel"]
 
 
-class WritableModel(OpenTables):
+class WritableModel(OpenTables, ABC):
     """What can be written and read; a forward model is one.
 
     provenance: where the rows came from.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from typing import Any, Self
 
 from bayeshunt.core.arguments import checked
@@ -20,7 +20,7 @@ __all__ = ["PREY_FILES", "StoredPrey"]
 PREY_FILES = RecordKind("bayeshunt prey model", "bayeshunt prey fit tracks.parquet", versions=(1, 2))
 
 
-class StoredPrey:
+class StoredPrey(ABC):
     """What is stored of a prey model, and made again; :class:`bayeshunt.models.target.prey.PreyModel` is one."""
 
     axes: EffectAxes
