@@ -93,8 +93,8 @@ def motion_frame(table: pd.DataFrame, least: float) -> tuple[np.ndarray, np.ndar
     places = np.concatenate([np.zeros((len(table), 1)), past[..., 0] + 1j * past[..., 1]], axis=1)
     steps = places[:, :-1] - places[:, 1:]  # the nearest first
     moved = np.abs(steps) > least  # False where nothing is known
-    chosen = steps[np.arange(len(table)), np.argmax(moved, axis=1)]
-    before = np.where(moved.any(axis=1), np.angle(np.where(moved.any(axis=1), chosen, 1.0)), 0.0)
+    ever, chosen = moved.any(axis=1), steps[np.arange(len(table)), np.argmax(moved, axis=1)]
+    before = np.where(ever, np.angle(np.where(ever, chosen, 1.0)), 0.0)
     angle = np.asarray(wrap(table["angle"].to_numpy(dtype=float) - before))
     return angle, np.where(table["distance"].to_numpy(dtype=float) > least, angle, 0.0)
 

@@ -63,8 +63,7 @@ def is_network(path: str | os.PathLike[str]) -> bool:
 
 def _open(path: str | os.PathLike[str]) -> tuple[NetworkTables, dict[str, list[str]]]:
     """The network in a file, and the labels of its states in the file's order."""
-    name = check_path(path, f"the name of a network ({', '.join(KINDS)})", InputError)
-    found = read_tables(path)
+    found, name = read_tables(path), os.fspath(path)
     _check_variables(found, name)
     return found, _labels(found, Path(path), name)
 
