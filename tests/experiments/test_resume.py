@@ -2,6 +2,7 @@
 
 import sqlite3
 from contextlib import closing
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.core.errors import BayesHuntError, FolderInUseError, InputError, ResultsError
+from bayeshunt.core.geometry import Polar
 from bayeshunt.experiments.run import batches, runner
 from bayeshunt.experiments.run.runner import evaluate
 from bayeshunt.experiments.store.database import DATABASE_FILE, HuntDatabase
@@ -16,6 +18,7 @@ from bayeshunt.experiments.store.export import HUNTS_FILE, load_results
 from bayeshunt.experiments.store.identity import Identity
 from bayeshunt.experiments.store.status import status
 from bayeshunt.files.locks import FolderLock, is_locked
+from bayeshunt.models.target.prey import PreyModel
 
 EXPORTS = ("hunts.parquet", "summary.json", "summary.md")
 
@@ -170,6 +173,43 @@ def test_a_file_that_a_planner_uses_is_part_of_the_experiment(tmp_path):
     assert "SHA-256 of the file planner.memory.tables is " in identities[0].difference(identities[1])
     other = Identity.of(settings, ["reactive"], ["open"], 0, None)  # which does not use it
     assert not other.files
+
+
+def test_a_file_that_the_prey_is_of_is_part_of_the_experiment(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("counts").write_text("a file that is called as the prey model that ships")
+    plain = Identity.of(runner.load_experiment("paper"), ["reactive"], ["open"], 0, None)
+    assert not plain.files
+    for key, value, file in (
+        ("prey.model", "walkers.JSON", "walkers.JSON"),
+        ("prey.behaviour", "recorded:some#tracks.parquet#17@a", "some#tracks.parquet"),
+    ):
+        settings = runner.load_experiment("paper", {key: value})
+        identities = []
+        for content in ("one", "two"):
+            Path(file).write_text(content)
+            identities.append(Identity.of(settings, ["reactive"], ["open"], 0, None))
+        one, two = identities
+        assert one.difference(one) is None
+        assert list(one.files) == [key]
+        assert f"SHA-256 of the file {key} is " in one.difference(two)
+        earlier = replace(one, files={})  # when the prey's files were not noted
+        assert earlier.difference(two) is None
+        assert "SHA-256 of the file with prey mine is not given" in earlier.difference(
+            replace(two, files={**two.files, "with prey mine": "a" * 64})
+        )
+
+
+def test_hunts_of_another_prey_in_a_file_of_that_name_do_not_mix(khepera_model, tmp_path):
+    file, out = tmp_path / "prey.json", tmp_path / "results"
+    settings = runner.load_experiment("paper", {"prey.model": str(file), "protocol.thetas": [1.0], "protocol.runs": 1})
+    known = PreyModel()
+    known.save(file)
+    evaluate(settings, planners="prediction", arenas="open", model=khepera_model, out=out)
+    known.observe(Polar(0.02, 0.1, 0.1))
+    known.save(file)
+    with pytest.raises(ResultsError, match=r"holds another experiment: SHA-256 of the file prey\.model is "):
+        evaluate(settings, planners="prediction", arenas="open", model=khepera_model, out=out)
 
 
 def test_exported_results_of_another_experiment_are_not_overwritten(small, tmp_path):

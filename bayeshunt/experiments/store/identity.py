@@ -17,11 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from bayeshunt.config.schema import ExperimentSettings
+from bayeshunt.config.schema.prey import PreySettings
 from bayeshunt.experiments.run.plugins import used_additions
 from bayeshunt.experiments.run.sources import source_hashes
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.worlds.box2d.version import version as box2d_version
+from bayeshunt.worlds.prey.names import RECORDED, is_recorded
 
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
 LIBRARIES = ("bayeshunt", "box2d", "mujoco", "numpy", "pandas", "pgmpy", "pykalman", "scipy", "shapely")
@@ -32,6 +34,8 @@ _EXTRAS = ("mujoco",)
 
 #: Settings that change with the others: the words under a table, and the figures it is held against.
 _FOLLOWING = (".note", ".published")
+#: Files that the prey's settings may name; folders made before these were noted go on.
+_PREY_FILES = ("prey.model", "prey.behaviour")
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,8 @@ class Identity:
     """One evaluation.
 
     settings, planners, arenas, seed: as asked. versions: by library name.
-    files: SHA-256 of each file that a planner's settings name, by dotted key, and of the source of
-        planners and prey that do not ship, with what it imports from its own folder.
+    files: SHA-256 of each file that a planner's settings or the prey's model or behaviour name, by dotted key, and of
+        the source of planners and prey that do not ship, with what it imports from its own folder.
     learned: True if the model is babbled and fitted by the evaluation itself, from settings and seed.
     model: fingerprint of the model's tables; "" while a model that is to be learned is not yet known.
     """
@@ -60,7 +64,7 @@ class Identity:
     ) -> Identity:
         """Return the identity of an evaluation by this installation; ``model`` None: learned from the seed."""
         plain = json.loads(json.dumps(settings.model_dump(mode="json")))
-        files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}))
+        files = dict(_files({name: plain["planner"].get(name, {}) for name in planners}, settings.prey))
         files |= source_hashes(used_additions(planners, settings.prey.behaviour, settings))
         return cls(plain, tuple(planners), tuple(arenas), int(seed), versions(), files, model is None, model or "")
 
@@ -82,9 +86,12 @@ class Identity:
     def difference(self, other: Identity) -> str | None:
         """Return the first thing in which ``other`` differs, "seed is 0 there and 1 here"; None if nothing does.
 
-        Folders made when fewer libraries and source files were noted are held to what they note.
+        Folders made when fewer libraries and files were noted are held to what they note.
         """
-        versions, files = other.versions, other.files
+        versions, files = other.versions, dict(other.files)
+        for key in _PREY_FILES:  # the settings name the same one, so a folder without its digest never noted it
+            if key not in self.files:
+                files.pop(key, None)
         if not versions.keys() <= self.versions.keys():
             versions, files = (
                 {key: value for key, value in theirs.items() if key in mine}
@@ -126,12 +133,17 @@ def model_fingerprint(model: ForwardModel) -> str | None:
     return fingerprint(model_files.dumps(model)) if model.has_counts else None
 
 
-def _files(planner: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield (dotted key, SHA-256) of every setting of a planner that is the path of a file."""
-    for name, values in planner.items():
-        for key, value in values.items():
-            if isinstance(value, str) and Path(value).is_file():
-                yield f"planner.{name}.{key}", hashlib.sha256(Path(value).read_bytes()).hexdigest()
+def _files(planner: dict[str, Any], prey: PreySettings) -> Iterator[tuple[str, str]]:
+    """Yield (dotted key, SHA-256) of every setting of a planner or of the prey that names a file."""
+    named = {f"planner.{name}.{key}": value for name, values in planner.items() for key, value in values.items()}
+    # a prey's model or behaviour is a file only where its name says so, whatever else lies in this folder
+    if prey.model.lower().endswith(".json"):
+        named[_PREY_FILES[0]] = prey.model
+    if is_recorded(prey.behaviour):
+        named[_PREY_FILES[1]] = prey.behaviour.removeprefix(RECORDED).rpartition("#")[0]
+    for key, value in named.items():
+        if isinstance(value, str) and Path(value).is_file():
+            yield key, hashlib.sha256(Path(value).read_bytes()).hexdigest()
 
 
 @cache
