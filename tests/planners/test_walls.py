@@ -85,7 +85,7 @@ def test_head_on_a_prey_may_turn_either_way():
 def test_paths_stay_inside(seed):
     rng = np.random.default_rng(seed)
     hunter, prey = (Pose(*rng.uniform(-0.45, 0.45, 2), rng.uniform(-3, 3)) for _ in range(2))
-    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, 0.1, STEP)
+    futures = room_futures(hunter.relative(prey), hunter, SQUARE, 0.05, 0.1, STEP, legs=9)
     forward, right = futures.at(np.linspace(0.0, 40.0, 400))
     for path in zip(forward, right, strict=True):
         places = hunter.compose(Polar.from_cartesian(*path))

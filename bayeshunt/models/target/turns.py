@@ -8,6 +8,7 @@ is borrowed from the hunter's own forward model ("it moves as I do"). Letters: L
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -165,7 +166,7 @@ class TurnModel:
     @property
     def speed(self) -> float:
         """Metres per time-step when not turning: the median seen, before that the prior's."""
-        return float(np.median(self.speeds)) if self.speeds else self.prior_speed
+        return statistics.median(self.speeds) if self.speeds else self.prior_speed
 
     @property
     def hazard(self) -> float:

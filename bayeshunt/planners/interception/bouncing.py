@@ -18,8 +18,8 @@ from bayeshunt.planners.interception.futures import Futures
 
 __all__ = ["LEGS", "Walls", "room_futures", "rooms_futures", "sliding_future"]
 
-#: Straight runs of a path between walls: enough for a minute of a prey as fast as the hunter.
-LEGS = 9
+#: Straight runs of a path between walls, the last for ever: with nine the hunts of eight worlds were the same.
+LEGS = 3
 #: A side that is less probable than this is left out.
 _NEGLIGIBLE = 0.02
 

@@ -46,15 +46,14 @@ class Futures:
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the positions (forward, right) [m] at ``times`` [s, J]: arrays [K, J]."""
-        leg = (self.starts[:, None, :] <= times[:, None]).sum(axis=2) - 1
-        begin, x, y, heading = (
-            np.take_along_axis(a, leg, axis=1) for a in (self.starts, self.forward, self.right, self.heading)
-        )
-        speed = (
-            self.speed[:, None] if self.pace is None else self.speed[:, None] * np.take_along_axis(self.pace, leg, 1)
-        )
-        run = speed * (times - begin)
-        return x + run * np.cos(heading), y + run * np.sin(heading)
+        leg = (self.starts.T[:, :, None] <= times).sum(axis=0) - 1
+        row = np.arange(len(leg))[:, None]
+        run = self.speed[:, None] * (times - self.starts[row, leg])
+        if self.pace is not None:
+            run *= self.pace[row, leg]
+        x = self.forward[row, leg] + run * np.cos(self.heading)[row, leg]
+        y = self.right[row, leg] + run * np.sin(self.heading)[row, leg]
+        return x, y
 
     def only(self, chosen: np.ndarray) -> Futures:
         """Return some of these futures, bool [K] or their numbers; their weights no longer sum to 1."""

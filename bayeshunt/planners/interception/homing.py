@@ -6,11 +6,10 @@ Letters: K prey futures; an end pose for each of ``...`` gait sequences.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayeshunt.core.geometry import wrap
 from bayeshunt.planners.interception.futures import Futures
 
 __all__ = ["Homing"]
@@ -43,43 +42,45 @@ class Homing:
         return self._foreseen(end, futures, start) if futures.foreseen else self._surprised(end, futures, start)
 
     def _foreseen(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        x, y, heading = end
-        best = np.full(np.broadcast_shapes(x.shape, futures.weights.shape), np.inf)
+        chase, found = _Chase.of(end, futures), np.empty(_shape(end, futures))
         for leg, over in _legs(futures):
-            ahead, right = _position(futures, leg, start)
-            wait = futures.starts[:, leg] - start
-            time, to_x, to_y = self._meet(ahead - x, right - y, futures.heading[:, leg], futures.leg_speed(leg))
-            cost = np.maximum(time, wait) + self._turning(to_x, to_y, heading)
+            future = chase.futures
+            ahead, right = _position(future, leg, start)
+            wait = future.starts[:, leg] - start
+            time, to_x, to_y = self._meet(
+                ahead - chase.x, right - chase.y, future.heading[:, leg], future.leg_speed(leg)
+            )
             # The gap to what the hunter can reach only shrinks, so the first leg with a meeting is the one.
-            best = np.where(np.isinf(best) & (time <= over - start), cost, best)
-        return best
+            meets = ~chase.met & (time <= over[chase.columns] - start)
+            cost = np.maximum(time, wait) + self._turning(chase, to_x, to_y)
+            found[..., chase.columns] = np.where(meets, cost, found[..., chase.columns])
+            chase.met |= meets
+            if (rest := ~chase.met.all(axis=chase.others)).any():
+                chase = chase.only(rest)
+            else:
+                break
+        return found
 
     def _surprised(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
-        shape = np.broadcast_shapes(end[0].shape, futures.weights.shape)
-        x, y, heading = (np.broadcast_to(part, shape) for part in end)
-        clock, price, met = np.full(shape, start), np.zeros(shape), np.zeros(shape, dtype=bool)
-        count = futures.starts.shape[1]
+        chase, found = _Chase.of(end, futures), np.zeros(_shape(end, futures))
+        clock = np.full(found.shape, start)
         for leg, over in _legs(futures):
-            # Most paths have fewer legs than the longest: only those that have this one are followed.
-            some = np.isfinite(futures.starts[:, leg])
-            one = futures if some.all() else futures.only(some)
-            columns = slice(None) if some.all() else some
-            now, px, py, facing, done = (a[..., columns] for a in (clock, x, y, heading, met))
-            until = over[columns]
-            ahead, right = _position(one, leg, now)
-            time, to_x, to_y = self._meet(ahead - px, right - py, one.heading[:, leg], one.leg_speed(leg))
-            chasing = ~done & (until > now)
-            run = np.where(chasing, np.minimum(time, until - now), 0.0)
-            price[..., columns] += np.where(chasing, self._turning(to_x, to_y, facing), 0.0)
-            met[..., columns] = done | (chasing & (now + time <= until))
-            if leg + 1 < count:
-                way = np.where(chasing, np.arctan2(to_y, to_x), facing)
-                x, y, heading = (np.array(a) for a in (x, y, heading)) if leg == 0 else (x, y, heading)
-                x[..., columns] = px + self.top_speed * run * np.cos(way)
-                y[..., columns] = py + self.top_speed * run * np.sin(way)
-                heading[..., columns] = way
-            clock[..., columns] = now + run
-        return clock - start + price
+            future, until = chase.futures, over[chase.columns]
+            ahead, right = _position(future, leg, clock)
+            time, to_x, to_y = self._meet(
+                ahead - chase.x, right - chase.y, future.heading[:, leg], future.leg_speed(leg)
+            )
+            rest = until - clock
+            chasing = ~chase.met & (rest > 0.0)
+            run = np.where(chasing, np.minimum(time, rest), 0.0)
+            found[..., chase.columns] += np.where(chasing, run + self._turning(chase, to_x, to_y), 0.0)
+            chase.met |= chasing & (time <= rest)
+            # Most paths have fewer legs than the longest, and most are met on an early one.
+            going = np.isfinite(until) & ~chase.met.all(axis=chase.others)
+            if not going.any():
+                break
+            chase, clock = chase.gone(to_x, to_y, chasing, self.top_speed * run).only(going), (clock + run)[..., going]
+        return found
 
     def _meet(
         self, ahead: np.ndarray, right: np.ndarray, heading: np.ndarray, speed: np.ndarray
@@ -96,10 +97,58 @@ class Homing:
         time = np.where(c < 0.0, (np.sqrt(b * b - a * c) - b) / a, 0.0)
         return time, ahead + ux * time, right + uy * time
 
-    def _turning(self, ahead: np.ndarray, right: np.ndarray, heading: np.ndarray) -> np.ndarray:
-        """Return the price [s] of turning from ``heading`` to the direction of (ahead, right)."""
-        found: np.ndarray = self.heading_price * np.abs(wrap(np.arctan2(right, ahead) - heading))
+    def _turning(self, chase: _Chase, ahead: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Return the price [s] of turning from the heading to the direction of (ahead, right)."""
+        across = chase.cos * right - chase.sin * ahead
+        found: np.ndarray = self.heading_price * np.arctan2(np.abs(across), chase.cos * ahead + chase.sin * right)
         return found
+
+
+@dataclass
+class _Chase:
+    """Where the hunter is in each future that it has not met: its place [m] and heading [..., K or 1], bool met.
+
+    futures: those followed. columns: their numbers among all.
+    """
+
+    futures: Futures
+    columns: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    cos: np.ndarray
+    sin: np.ndarray
+    met: np.ndarray
+
+    @classmethod
+    def of(cls, end: np.ndarray, futures: Futures) -> _Chase:
+        x, y, heading = end
+        met = np.zeros(_shape(end, futures), dtype=bool)
+        return cls(futures, np.arange(len(futures.weights)), x, y, np.cos(heading), np.sin(heading), met)
+
+    @property
+    def others(self) -> tuple[int, ...]:
+        """All axes but that of the futures."""
+        return tuple(range(self.met.ndim - 1))
+
+    def only(self, chosen: np.ndarray) -> _Chase:
+        """Return it for some of the futures, bool [K]."""
+        if chosen.all():
+            return self
+        parts = (part if part.shape[-1] == 1 else part[..., chosen] for part in (self.x, self.y, self.cos, self.sin))
+        return _Chase(self.futures.only(chosen), self.columns[chosen], *parts, self.met[..., chosen])
+
+    def gone(self, ahead: np.ndarray, right: np.ndarray, chasing: np.ndarray, run: np.ndarray) -> _Chase:
+        """Return it after ``run`` metres [..., K] in the direction of (ahead, right), where it is ``chasing``."""
+        distance = np.hypot(ahead, right)
+        with np.errstate(invalid="ignore", divide="ignore"):  # one that is there has no way to go
+            cos, sin = ahead / distance, right / distance
+        turned = chasing & (distance > 0.0)
+        cos, sin = np.where(turned, cos, self.cos), np.where(turned, sin, self.sin)
+        return replace(self, x=self.x + run * cos, y=self.y + run * sin, cos=cos, sin=sin)
+
+
+def _shape(end: np.ndarray, futures: Futures) -> tuple[int, ...]:
+    return np.broadcast_shapes(end[0].shape, futures.weights.shape)
 
 
 def _legs(futures: Futures) -> Iterator[tuple[int, np.ndarray]]:

@@ -26,8 +26,6 @@ _TOWARDS = np.array(_NORMALS)
 _NEGLIGIBLE = 0.01
 #: The likeliest futures that a decision is taken over.
 _MOST = 24
-#: Straight runs of a path among guessed walls.
-_LEGS = 3
 
 
 _REACH = (
@@ -112,9 +110,7 @@ class InterceptPlanner(TurningPlanner):
         chances = self._posterior(situation.pose.compose(situation.prey), legs, known)
         likely = [(c, walls) for walls, c in zip(self.walls, chances.tolist(), strict=False) if c >= _NEGLIGIBLE]
         speed = known.speed / self.leg
-        chance, bounced = rooms_futures(
-            situation.prey, situation.pose, likely, speed, known.drift, self.leg, legs=_LEGS
-        )
+        chance, bounced = rooms_futures(situation.prey, situation.pose, likely, speed, known.drift, self.leg)
         parts = [(float(chances[-1]), self.turning(situation, known))]
         if bounced is not None:
             parts.append((chance, bounced))

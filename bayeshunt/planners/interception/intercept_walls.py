@@ -24,6 +24,8 @@ __all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
 
 #: What is less probable than this is left out of a decision.
 _NEGLIGIBLE = 0.05
+#: The likeliest futures that a decision is taken over.
+_MOST = 12
 #: A leg of the prey met a wall if it ends this many body lengths beyond it, and none if it ends so far before.
 _WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 
@@ -104,7 +106,7 @@ class InterceptWallsPlanner(TurningPlanner):
             parts.append((stray, self.turning(situation, known)))
         if slides > _NEGLIGIBLE and speed > 0:
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
-        return mix(parts) if len(parts) > 1 else turned
+        return mix(parts, _MOST) if len(parts) > 1 else turned
 
     def prey_walls(self) -> Walls:
         """Return the walls as a prey turns away from them that has not been seen at one."""
