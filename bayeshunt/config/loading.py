@@ -75,9 +75,9 @@ def load_experiment(
     if overrides is not None:
         check_kind(overrides, "overrides", Mapping, "a dict of values by dotted key")
     if isinstance(experiment, ExperimentSettings):
-        values, source = experiment.model_dump(), f"settings {experiment.name!r}"
         if not overrides:
             return experiment
+        values, source = experiment.model_dump(), f"settings {experiment.name!r}"
     else:
         values, source = _read(experiment, "")
         values = _resolve(values, source)

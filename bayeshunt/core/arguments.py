@@ -18,6 +18,7 @@ import typing
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from numbers import Integral, Real
+from operator import attrgetter
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -72,9 +73,10 @@ def check_fields(value: Any) -> None:
     kind = type(value)
     if kind not in _fields:
         rules, given = _rules(kind), [field.name for field in fields(value) if field.init]
-        _fields[kind] = [(name, rules[name]) for name in given if name in rules]
-    for name, rule in _fields[kind]:
-        part = getattr(value, name)
+        named = [(name, rules[name]) for name in given if name in rules]
+        _fields[kind] = _reader([name for name, _ in named]), named
+    read, named = _fields[kind]
+    for part, (name, rule) in zip(read(value), named, strict=True):
         if type(part) not in rule.kinds and not rule.accepts(part):
             raise InputError(f"{kind.__name__}: {name}: expected {rule.words}, got {shown(part)}")
 
@@ -95,8 +97,15 @@ class _Anything:
 
 #: Rules that were made, by function or class.
 _known: dict[Any, dict[str, _Rule]] = {}
-#: The fields of a class that have a rule, in their order.
-_fields: dict[type, list[tuple[str, _Rule]]] = {}
+#: What reads the fields of a class that have a rule, all at once, and their names and rules.
+_fields: dict[type, tuple[Callable[[Any], tuple[Any, ...]], list[tuple[str, _Rule]]]] = {}
+
+
+def _reader(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+    """What gives the values of these fields of an object as a tuple."""
+    if len(names) > 1:
+        return attrgetter(*names)
+    return lambda value: tuple(getattr(value, name) for name in names)
 
 
 def _rules(owner: Any) -> dict[str, _Rule]:

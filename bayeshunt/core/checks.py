@@ -58,12 +58,16 @@ def conforms(thing: object, protocol: type) -> bool:
 
 def check_whole(value: Any, name: str, least: int) -> None:
     """Raise InputError unless ``value`` is a whole number (of Python or NumPy) of at least ``least``."""
+    if type(value) is int and value >= least:
+        return
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise InputError(f"{name}: expected a whole number of at least {least}, got {shown(value)}")
 
 
 def check_number(value: Any, name: str, expected: str = "a finite number") -> float:
     """Return ``value`` as a float; InputError unless it is a finite number (of Python or NumPy), no text, no truth."""
+    if type(value) is float and math.isfinite(value):  # most are
+        return value
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise InputError(f"{name}: expected {expected}, got {shown(value)}")
     return float(value)
@@ -71,6 +75,8 @@ def check_number(value: Any, name: str, expected: str = "a finite number") -> fl
 
 def check_positive(value: Any, name: str, unit: str) -> float:
     """Return ``value`` as a float; InputError unless it is a finite number above 0, of ``unit`` ("metres")."""
+    if type(value) is float and 0 < value < math.inf:
+        return value
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < math.inf:
         raise InputError(f"{name} must be positive {unit}, got {shown(value)}")
     return float(value)

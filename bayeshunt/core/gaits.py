@@ -110,7 +110,7 @@ class GaitRepertoire(displays.Displayed, Sequence[Gait]):
     @property
     def names(self) -> tuple[str, ...]:
         """Gait names in table order."""
-        return tuple(gait.name for gait in self.gaits)
+        return tuple(self._positions)
 
     def index(self, name: Any, *unused: Any) -> int:
         """Return the position of a gait given by name or as a Gait.
@@ -160,7 +160,7 @@ class GaitRepertoire(displays.Displayed, Sequence[Gait]):
             if own is not None and its is not None and not math.isclose(own, its, rel_tol=_ALIKE):
                 return told.format(mine=mine, theirs=theirs, own=own, its=its)
         for own, its in zip(self.gaits, other.gaits, strict=True):
-            if own.command and its.command and not _close(own.command, its.command):
+            if own.command and its.command and own.command != its.command and not _close(own.command, its.command):
                 commands = (", ".join(f"{v:.6g}" for v in gait.command) for gait in (own, its))
                 return "{} commands gait {!r} as {}, {} as {}".format(mine, own.name, next(commands), theirs, *commands)
         return None
@@ -176,7 +176,7 @@ class GaitRepertoire(displays.Displayed, Sequence[Gait]):
 
     def __contains__(self, gait: object) -> bool:
         """Return whether there is such a gait, given by name or as a Gait."""
-        return gait in self.gaits if isinstance(gait, Gait) else gait in self.names
+        return gait in self.gaits if isinstance(gait, Gait) else isinstance(gait, str) and gait in self._positions
 
     def __len__(self) -> int:
         return len(self.gaits)

@@ -28,6 +28,9 @@ class Trial:
         """Start a fresh world; ``streams``: a generator by role."""
         body = settings.robot.body.body_length
         self.settings = settings
+        # whole physics steps until the time limit, which a catch must not outlast; at least one in all
+        self._steps = max(1, math.floor(settings.protocol.time_limit / settings.physics.step + 1e-9))
+        self._step = settings.physics.step
         self.task = Task(settings.protocol.catch_distance * body, settings.protocol.time_limit)
         self.reach = Reach(HUNTER, PREY, settings.protocol.catch_distance * body)
         scene = Scene(settings.robot, settings.prey, settings.arenas[arena], settings.physics)
@@ -45,10 +48,8 @@ class Trial:
 
     @property
     def time_left(self) -> float:
-        """Seconds in whole physics steps until the time limit, which a catch must not outlast; at least one in all."""
-        step = self.settings.physics.step
-        whole = max(1, math.floor(self.settings.protocol.time_limit / step + 1e-9))
-        return (whole - round(self.moment.time / step)) * step
+        """Seconds in whole physics steps until the time limit."""
+        return (self._steps - round(self.moment.time / self._step)) * self._step
 
     @property
     def done(self) -> bool:
@@ -66,7 +67,7 @@ class Trial:
         thought: seconds of the time-step for which it still thinks, in whole physics steps; the world goes on, and it
         holds ``held``, the gait before (None: it stands).
         """
-        before, step = self.moment, self.settings.physics.step
+        before, step = self.moment, self._step
         left = min(self.settings.robot.gait_duration, self.time_left)
         wait = min(math.floor(thought / step + 1e-9) * step, left) if thought else 0.0
         others = {} if prey is None else {PREY: prey}

@@ -122,18 +122,23 @@ class Situation:
     camera: object | None = None
 
     def __post_init__(self) -> None:
-        self._check_prey()
+        if not _in_range(self.prey):
+            self._check_prey()
         if not conforms(self.prey_model, PreyPredictor):
             model = shown(self.prey_model)
             raise InputError(f"prey_model: expected a prey model, such as bayeshunt.PreyModel(), got {model}")
-        for name, unit in (("body_length", "metres"), ("time_step", "seconds")):
-            if getattr(self, name) is not None:
-                check_positive(getattr(self, name), name, unit)
+        if self.body_length is not None:
+            check_positive(self.body_length, "body_length", "metres")
+        if self.time_step is not None:
+            check_positive(self.time_step, "time_step", "seconds")
         check_number(self.time, "time", "seconds since the hunt began")
         check_whole(self.step, "step", 0)
-        for name, kind, expected in _OPTIONAL:
-            if getattr(self, name) is not None:
-                check_kind(getattr(self, name), name, kind, expected)
+        if self.previous_gait is not None:
+            check_kind(self.previous_gait, "previous_gait", str, "the name of a gait, or None")
+        if self.pose is not None:
+            check_kind(self.pose, "pose", Pose, "a Pose, or None")
+        if self.future is not None:
+            check_kind(self.future, "future", Future, "a Future, or None")
         if type(self.transitions) is not tuple or not set(map(type, self.transitions)) <= {Polar}:
             check_kind(self.transitions, "transitions", Sequence, "a list of Polar")
             for transition in self.transitions:
@@ -160,12 +165,16 @@ class Situation:
         check_radians(self.prey.heading, "prey heading")
 
 
-#: Parts of a situation that may be None: name, type, what an error calls it.
-_OPTIONAL: tuple[tuple[str, type, str], ...] = (
-    ("previous_gait", str, "the name of a gait, or None"),
-    ("pose", Pose, "a Pose, or None"),
-    ("future", Future, "a Future, or None"),
-)
+_FLOATS = (float, np.float64)
+
+
+def _in_range(prey: Any) -> bool:
+    """Whether a pose is plainly one: told at a glance, as every decision begins with it; if not, it is looked into."""
+    if type(prey) is not Polar:
+        return False
+    distance, angle, heading = prey
+    plain = type(distance) in _FLOATS and type(angle) in _FLOATS and type(heading) in _FLOATS
+    return plain and 0 <= distance < math.inf and abs(angle) <= math.pi and abs(heading) <= math.pi
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, overload
 
 from bayeshunt.core.geometry import Pose, wrap
@@ -17,17 +17,15 @@ Place = tuple[float, float, float]
 class Trail(Sequence[Moment]):
     """A sequence of moments, one for every :meth:`note`."""
 
-    __slots__ = ("_add", "_names", "_rows", "_step", "_unit")
+    __slots__ = ("_last", "_names", "_rows", "_step", "_unit", "note")
 
     def __init__(self, names: Iterable[str], unit: float, step: float) -> None:
         """names: of the bodies. unit: metres per Box2D unit. step: seconds of a physics step."""
         self._names, self._unit, self._step = tuple(names), unit, step
         self._rows: list[tuple[int, list[Place]]] = []
-        self._add = self._rows.append
-
-    def note(self, steps: int, places: list[Place]) -> None:
-        """Add the moment of ``steps`` physics steps after the reset."""
-        self._add((steps, places))
+        self._last: tuple[Any, Any] = (None, None)  # a row that was asked for, and its moment
+        #: Adds a moment: the physics steps since the reset, and where each body is. A list's own method: it runs often.
+        self.note: Callable[[tuple[int, list[Place]]], None] = self._rows.append
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -39,7 +37,10 @@ class Trail(Sequence[Moment]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self._moment(row) for row in self._rows[index]]
-        return self._moment(self._rows[index])
+        row = self._rows[index]
+        if row is not self._last[0]:  # the last moment is asked for by the hunt, the sensor and the record
+            self._last = row, self._moment(row)
+        return self._last[1]
 
     def _moment(self, row: tuple[int, list[Place]]) -> Moment:
         steps, places = row

@@ -22,7 +22,7 @@ from bayeshunt.core.messages import Moment, Reach, Run
 from bayeshunt.core.protocols import Map
 from bayeshunt.worlds.bodies import body_factory
 from bayeshunt.worlds.box2d.bodies import Drive, Parts
-from bayeshunt.worlds.box2d.trail import Place, Trail
+from bayeshunt.worlds.box2d.trail import Trail
 from bayeshunt.worlds.box2d.version import version
 from bayeshunt.worlds.maps import map_of
 from bayeshunt.worlds.prey.behaviours import Alone, Context, Prey, build_prey
@@ -82,24 +82,8 @@ class Box2DWorld:
         remaining = self.physics.steps(duration) if duration > 0 else 0
         if not remaining:
             return Run(trail)
-        begun, stopped, control = self._steps, False, self.physics.control_steps
         spent = {name: body.energy for name, body in self.bodies.items()}
-        phase, live = self._phase, self._live
-        while remaining > 0 and not stopped:
-            if not phase:
-                places = [(at.x, at.y, angle()) for at, angle in live]
-                if self._steps > begun:
-                    trail.note(self._steps, places)
-                self._decide(steered, places)
-            left = control - phase
-            taken = self._advance(left if left < remaining else remaining)
-            if taken < 0:
-                stopped, taken = True, -taken
-            phase = (phase + taken) % control
-            self._steps += taken
-            remaining -= taken
-        self._phase = phase
-        trail.note(self._steps, [(at.x, at.y, angle()) for at, angle in live])
+        stopped = self._hold(remaining, steered, trail)
         energy = {name: body.energy - spent[name] for name, body in self.bodies.items()}
         return Run(trail, until.whom if until is not None and stopped else None, energy)
 
@@ -186,15 +170,36 @@ class Box2DWorld:
             for body in self._drives:
                 body.placed = False
 
-    def _decide(self, steered: Sequence[_Steered], places: list[Place]) -> None:
-        """At the start of a control interval: new noise, and every prey decides."""
-        unit = self.unit
-        for begin in self._begins:
-            begin()
-        x, y, _ = places[self._hunter]
-        for number, steer, act in steered:
-            own_x, own_y, theta = places[number]
-            steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
+    def _hold(self, remaining: int, steered: Sequence[_Steered], trail: Trail) -> bool:
+        """Take ``remaining`` physics steps, fewer if there is a catch; return whether there was one.
+
+        At the start of each control interval there is new noise, and every prey that steers itself decides.
+        """
+        begun, control, unit, hunter = self._steps, self.physics.control_steps, self.unit, self._hunter
+        live, begins, note, advance = self._live, self._begins, trail.note, self._advance
+        steps, phase, stopped = begun, self._phase, False
+        while remaining > 0 and not stopped:
+            if not phase:
+                places = []
+                for at, angle in live:
+                    places.append((at.x, at.y, angle()))
+                if steps > begun:
+                    note((steps, places))
+                for begin in begins:
+                    begin()
+                for number, steer, act in steered:
+                    (own_x, own_y, theta), (x, y, _) = places[number], places[hunter]
+                    steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
+            left = control - phase
+            taken = advance(left if left < remaining else remaining)
+            if taken < 0:
+                stopped, taken = True, -taken
+            phase = (phase + taken) % control
+            steps += taken
+            remaining -= taken
+        self._steps, self._phase = steps, phase
+        note((steps, [(at.x, at.y, angle()) for at, angle in live]))
+        return stopped
 
     def _advance(self, count: int) -> int:
         """Take up to ``count`` physics steps; return how many, negative if the last of them was the catch."""
