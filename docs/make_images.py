@@ -12,6 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import gymnasium
+from matplotlib.image import imsave
 from playwright.sync_api import Browser, sync_playwright
 
 import bayeshunt as bh
@@ -51,6 +53,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         png, _ = save(hunts(episodes), folder, "hunts")
         shutil.copy(png, IMAGES / "hunts.png")
+        draw_environment()
         chromium = shutil.which("chromium") or sys.exit("no chromium on the path: apt install chromium")
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
@@ -65,6 +68,16 @@ def main() -> None:
         print(f"{IMAGES / name}.png: {size} bytes")
         if size > LIMIT:
             sys.exit(f"{name}.png is larger than {LIMIT} bytes")
+
+
+def draw_environment() -> None:
+    """A frame of Hunt-v0, in its third time-step."""
+    env = gymnasium.make("bayeshunt.envs:Hunt-v0", preset="paper", arena="walled", render_mode="rgb_array")
+    env.reset(options={"theta": 1.0, "hunt_seed": 7})
+    for gait in (0, 2, 1):
+        env.step(gait)
+    imsave(IMAGES / "hunt_env.png", env.render())
+    env.close()
 
 
 def draw_replay(browser: Browser, episode: bh.Episode, model: bh.ForwardModel, folder: Path) -> None:

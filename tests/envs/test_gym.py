@@ -1,4 +1,4 @@
-"""Hunt-v0 is what users of Gymnasium expect, and the hunt that ``bayeshunt.hunt`` runs, to the last bit."""
+"""Hunt-v0 is what users of Gymnasium expect."""
 
 import copy
 import importlib.util
@@ -10,6 +10,7 @@ from itertools import pairwise
 import gymnasium
 import numpy as np
 import pytest
+from episodes import ID, episode, make
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import DependencyNotInstalled, ResetNeeded
 from gymnasium.utils.env_checker import check_env
@@ -18,28 +19,10 @@ import bayeshunt as bh
 import bayeshunt.envs
 from bayeshunt.core.errors import ConfigError, InputError
 from bayeshunt.core.geometry import Polar
-from bayeshunt.episodes.loop import hunt
 from bayeshunt.episodes.pursuit import Pursuit
-from bayeshunt.planners.policy import observation, planner_policy
-from bayeshunt.planners.registry import make_planner
+from bayeshunt.planners.policy import observation
 
-ID = "bayeshunt.envs:Hunt-v0"
 pytestmark = pytest.mark.filterwarnings("error")
-
-
-def make(**arguments):
-    return gymnasium.make(ID, preset="paper", **arguments)
-
-
-def episode(env, policy, **options):
-    """The infos, rewards and end of one episode."""
-    seen, info = env.reset(options=options or None)
-    infos, rewards, ended = [info], [], (False, False)
-    while not any(ended):
-        seen, reward, *ended, info = env.step(policy(seen))
-        infos.append(info)
-        rewards.append(reward)
-    return infos, rewards, tuple(ended)
 
 
 @pytest.mark.parametrize("arguments", [{}, {"arena": "open", "reward": "shaped"}, {"robot": "car"}])
@@ -83,37 +66,6 @@ def test_a_spec_goes_to_json_and_back():
     one, two = env.reset(seed=3), again.reset(seed=3)
     np.testing.assert_array_equal(one[0], two[0])
     assert one[1] == two[1]
-
-
-@pytest.mark.parametrize("name", ["planning", "intercept", "prediction"])
-@pytest.mark.parametrize("arena", ["open", "walled"])
-def test_an_environment_is_the_hunt(khepera_model, name, arena):
-    planner = make_planner(name, khepera_model)
-    env = make(arena=arena)
-    for seed in range(3):
-        theta = float(2 * seed)
-        whole = hunt("paper", planner, arena=arena, theta=theta, seed=seed)
-        policy = planner_policy(planner, env)
-        moments, rewards, ended = [], [], (False, False)
-        seen, info = env.reset(options={"theta": theta, "hunt_seed": seed})
-        while not any(ended):
-            seen, reward, *ended, info = env.step(policy(seen))
-            rewards.append(reward)
-            moments.extend((m.time, *m.poses["hunter"], *m.poses["prey"]) for m in env.unwrapped.moments)
-        assert (info["is_success"], info["time"], info["gaits"]) == (whole.caught, whole.time, len(whole.frame))
-        np.testing.assert_array_equal(np.array(moments), whole.trail.to_numpy())
-        assert tuple(ended) == (whole.caught, not whole.caught)
-        assert sum(rewards) == pytest.approx(-whole.time / 60.0, abs=1e-12)
-        assert (info["theta"], info["hunt_seed"]) == (theta, seed)
-
-
-def test_an_episode_that_was_drawn_can_be_hunted_again(khepera_model):
-    planner = make_planner("intercept", khepera_model)
-    env = make(arena="open")
-    env.reset(seed=11)
-    infos, _, _ = episode(env, planner_policy(planner, env))
-    again = hunt("paper", planner, arena="open", theta=infos[0]["theta"], seed=infos[0]["hunt_seed"])
-    assert (again.caught, again.time) == (infos[-1]["is_success"], infos[-1]["time"])
 
 
 def test_a_miss_costs_the_time_limit_and_is_truncated():
@@ -237,16 +189,19 @@ def test_an_observation_by_hand():
 
 
 def rollout(envs, steps):
+    """Everything that two environments tell."""
     seen, infos = envs.reset(seed=[1, 2])
     rng = np.random.default_rng(0)
     rows = [seen]
     for _ in range(steps):
         seen, rewards, caught, late, infos = envs.step(rng.integers(0, 10, 2))
         rows += [seen, rewards, caught, late, infos["hunt_seed"]]
+        rows += [one for one in infos.get("final_obs", ()) if one is not None]
     envs.close()
     return rows
 
 
+RESETS = (gymnasium.vector.AutoresetMode.NEXT_STEP, gymnasium.vector.AutoresetMode.SAME_STEP)
 SLOW = [pytest.param(context, marks=pytest.mark.slow) for context in ("forkserver", "spawn")]
 
 
@@ -254,13 +209,22 @@ SLOW = [pytest.param(context, marks=pytest.mark.slow) for context in ("forkserve
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_vectors_in_processes_are_vectors_here(context):
     arguments = {"arena": "walled", "overrides": {"protocol.time_limit": 12.0}}
-    here = rollout(gymnasium.make_vec(ID, 2, "sync", **arguments), 12)
-    there = rollout(gymnasium.make_vec(ID, 2, "async", vector_kwargs={"context": context}, **arguments), 12)
+    for mode in RESETS:
+        chosen = {"autoreset_mode": mode}
+        here = rollout(gymnasium.make_vec(ID, 2, "sync", vector_kwargs=chosen, **arguments), 12)
+        there = rollout(
+            gymnasium.make_vec(ID, 2, "async", vector_kwargs={"context": context, **chosen}, **arguments), 12
+        )
+        same(here, there)
+
+
+def same(here, there):
+    assert len(here) == len(there)
     for one, other in zip(here, there, strict=True):
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("mode", list(gymnasium.vector.AutoresetMode)[:2])
+@pytest.mark.parametrize("mode", RESETS)
 def test_both_autoresets(mode):
     envs = gymnasium.make_vec(
         ID, 2, "sync", vector_kwargs={"autoreset_mode": mode}, overrides={"protocol.time_limit": 7.0}, arena="open"
@@ -296,15 +260,6 @@ def test_a_film_shows_every_control_interval(tmp_path):
     assert env.metadata["render_fps"] == pytest.approx(1 / 0.064)
 
 
-def test_a_policy_sees_in_a_film_what_it_sees_without(khepera_model):
-    planner = make_planner("planning", khepera_model)
-    plain = make(arena="walled")
-    film = bayeshunt.envs.Film(make(arena="walled"))
-    one = episode(plain, planner_policy(planner, plain), theta=4.0, hunt_seed=1)
-    two = episode(film, planner_policy(planner, film), theta=4.0, hunt_seed=1)
-    assert one[0][-1] == two[0][-1]
-
-
 @pytest.mark.parametrize("arena", ["open", "walled"])
 def test_a_frame_shows_both_robots_where_they_are(arena):
     env = make(arena=arena, render_mode="rgb_array", theta=0.0)
@@ -338,21 +293,50 @@ def test_without_pygame_it_says_what_to_install(monkeypatch):
         env.render()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("robot", ["khepera", "car"])
-@pytest.mark.parametrize("arena", ["open", "walled"])
-def test_fifty_replayed_hunts_are_the_hunts(robot, arena):
-    import bayeshunt
+#: Beside the Khepera: legs, a simulator of another kind, a camera, obstacles.
+OTHERS = (
+    {"preset": "legs"},
+    {"preset": "legs_camera"},
+    {"robot": "puppy", "overrides": {"world": "mujoco", "protocol.time_limit": 6.0}},
+    {"preset": "paper", "arena": "open", "sensing": {"preset": "camera_narrow", "start": "unknown"}},
+    {"preset": "clutter", "arena": "clutter"},
+    {"preset": "detour", "arena": "barrier"},
+)
 
-    model = bayeshunt.ForwardModel.fit(bayeshunt.babble(robot, 400, 0), bayeshunt.load_robot(robot).gaits)
-    settings = bayeshunt.load_experiment("paper", {"robot": robot})
-    for name in bayeshunt.planner_names(standalone=True):
-        planner = make_planner(name, model)
-        if planner.needs_future:
-            continue
-        env = make(arena=arena, robot=robot)
-        for seed in range(50 if name in ("reactive", "intercept") else 5):
-            whole = hunt(settings, planner, arena=arena, theta=float(seed % 7), seed=seed)
-            gaits = iter(whole.frame["gait"].map(settings.robot.gaits.names.index))
-            infos, _, _ = episode(env, lambda seen, gaits=gaits: next(gaits), theta=float(seed % 7), hunt_seed=seed)
-            assert (infos[-1]["is_success"], infos[-1]["time"]) == (whole.caught, whole.time)
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", OTHERS)
+def test_gymnasiums_own_checks_of_other_bodies_senses_and_arenas(arguments):
+    check_env(gymnasium.make(ID, **arguments, render_mode="rgb_array").unwrapped)
+
+
+def test_what_a_step_returns():
+    env = make(arena="walled", reward="shaped", overrides={"protocol.time_limit": 10.0})
+    seen, _ = env.reset(seed=2)
+    kept, ended = [seen], False
+    while not ended:
+        seen, reward, terminated, truncated, _ = env.step(np.int64(3))
+        assert (type(reward), type(terminated), type(truncated)) == (float, bool, bool)
+        assert not (terminated and truncated)
+        assert env.observation_space.contains(seen)
+        kept.append(seen)
+        ended = terminated or truncated
+    assert np.isfinite(env.observation_space.low).all()
+    assert np.isfinite(env.observation_space.high).all()
+    assert not any(np.shares_memory(one, other) for one, other in pairwise(kept))
+
+
+def test_a_time_limit_can_only_shorten():
+    env = gymnasium.wrappers.TimeLimit(make(arena="open", overrides={"protocol.time_limit": 7.0}), 2)
+    infos, _, ended = episode(env, lambda seen: 0, theta=3.0, hunt_seed=0)
+    assert (len(infos), ended) == (3, (False, True))
+    longer = gymnasium.wrappers.TimeLimit(make(arena="open", overrides={"protocol.time_limit": 7.0}), 100)
+    infos, _, ended = episode(longer, lambda seen: 0, theta=3.0, hunt_seed=0)
+    assert (infos[-1]["time"], ended) == (7.0, (False, True))
+
+
+def test_whatever_renders_arrays_can_be_shown_on_a_screen():
+    env = gymnasium.wrappers.HumanRendering(make(render_mode="rgb_array"))
+    env.reset(seed=0)
+    env.step(1)
+    env.close()
