@@ -23,7 +23,7 @@ class Kernels(NamedTuple):
     counting: Callable[..., Any]
 
 
-def _sense(x: float, y: float, theta: float, reach: float, half_width: float, half_height: float) -> Any:
+def sense(x: float, y: float, theta: float, reach: float, half_width: float, half_height: float) -> Any:
     values = np.zeros(8)
     for i in range(8):
         distance, mount, direction = MOUNTS[i]
@@ -76,7 +76,7 @@ def compile_kernels(cache: bool = False) -> Kernels:
     """Compile the parts, by calling each once as it will be called; ImportError without numba."""
     import numba
 
-    sense, mean, chance, count = (numba.njit(cache=cache)(f) for f in (_sense, _mean_distance, _chances, _count))
+    rays, mean, chance, count = (numba.njit(cache=cache)(f) for f in (sense, _mean_distance, _chances, _count))
 
     def proximity(x: float, y: float, theta: float, reach: float, walls: Any, disc: Any) -> Any:
         if disc is not None:
@@ -84,7 +84,7 @@ def compile_kernels(cache: bool = False) -> Kernels:
         far = sensors.MOUNT_RADIUS + reach  # nothing in reach: Python is as fast as the call would be
         if walls is None or (abs(x) + far < walls[0] and abs(y) + far < walls[1]):
             return None
-        return sense(x, y, theta, reach, walls[0], walls[1])
+        return rays(x, y, theta, reach, walls[0], walls[1])
 
     def mean_distance(hunter: Any, path: Any) -> Any:
         return mean(hunter.forward, hunter.right, hunter.steps, path.forward, path.right)

@@ -1,0 +1,1 @@
+"""Learning by trial against babbling: ``python -m benchmarks.race``."""
