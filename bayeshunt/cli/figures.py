@@ -89,6 +89,7 @@ def _run(settings: Any, model: Any, seed: int, jobs: int, quiet: bool) -> Any:
 def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
     """A hunt that plans, in the open if there is one, and a long one whose prey meets walls if there are any."""
     from bayeshunt.episodes.loop import hunt
+    from bayeshunt.experiments.preparation import own_settings
     from bayeshunt.planners.registry import make_planner
 
     arenas, thetas = settings.arenas, settings.protocol.thetas
@@ -96,7 +97,7 @@ def _hunts(settings: Any, model: Any, seed: int) -> tuple[Any, Any]:
     walled = next((name for name, arena in arenas.items() if arena.walled), unwalled)
     theta = thetas[min(1, len(thetas) - 1)]
     planned, learned = (
-        hunt(settings, make_planner(name, model, **settings.planner.get(name, {})), arena=arena, theta=theta, seed=seed)
+        hunt(settings, make_planner(name, model, **own_settings(settings, name)), arena=arena, theta=theta, seed=seed)
         for name, arena in (("planning", unwalled), ("reactive", walled))
     )
     return planned, learned

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
@@ -14,7 +15,8 @@ from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
-from bayeshunt.planners.registry import check_hunts, check_needs, check_sections, explores, make_planner
+from bayeshunt.planners.cost import Cost, Weighed
+from bayeshunt.planners.registry import check_hunts, check_needs, check_sections, explores, find_planner, make_planner
 from bayeshunt.worlds.exploring import explore
 
 #: Seconds for which a robot babbles in an arena before it hunts there: 1,000 time-steps of preset "paper".
@@ -28,6 +30,7 @@ def check_planners(settings: ExperimentSettings, planners: Iterable[str], *, hun
     hunting: whether they must be planners that hunt, so that bounds are refused.
     """
     check_sections(settings.planner)
+    Cost(**settings.cost)  # a wrong weight fails here, before any work
     for name in planners:
         check_needs(name, settings.planner.get(name, {}))
         if hunting:
@@ -74,6 +77,22 @@ def learn_rooms(
     return {arena: learn_room(settings, arena=arena, steps=steps, seed=seed, model=model) for arena in arenas}
 
 
+def own_settings(settings: ExperimentSettings, name: str) -> dict[str, Any]:
+    """Return what an experiment gives a planner by name: its section, and what all planners are told a hunt costs.
+
+    Where ``protocol.thinking`` is "nodes", a node takes as long as it does there. Raises InputError for a wrong cost.
+    """
+    given, typed = dict(settings.planner.get(name, {})), find_planner(name).typed
+    shared = dict(settings.cost)
+    if settings.protocol.thinking == "nodes":
+        shared = {"seconds_per_node": settings.protocol.seconds_per_node, **shared}
+    if typed is not None and issubclass(typed, Cost):
+        return {**shared, **given}
+    if typed is not None and issubclass(typed, Weighed) and isinstance(own := given.get("cost", {}), Mapping):
+        given["cost"] = Cost(**{**shared, **own})
+    return given
+
+
 def prepare_planner(
     name: str, model: ForwardModel, settings: ExperimentSettings, rooms: Mapping[str, RoomModel], arena: str
 ) -> Planner:
@@ -81,7 +100,7 @@ def prepare_planner(
 
     rooms: of :func:`learn_rooms`. Raises InputError for an unknown name or a wrong setting.
     """
-    given = dict(settings.planner.get(name, {}))
+    given = own_settings(settings, name)
     if explores(name, given) and arena in rooms:
         given["room"] = rooms[arena]
     return make_planner(name, model, **given)

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
 
 from bayeshunt.core.arguments import checked
+from bayeshunt.planners.cost import Cost
 from bayeshunt.planners.info import FUTURE
 from bayeshunt.planners.registry import Factory, find_planner, is_ab_initio, is_shipped, made_by
 from bayeshunt.planners.settings import settings_fields
@@ -150,6 +151,8 @@ def _kind(hint: Any) -> str:
     options = typing.get_args(hint) or (hint,)
     if any(os.PathLike in (h, typing.get_origin(h)) for h in options):
         return "file"
+    if hint is Cost:
+        return "group"
     names = [_TYPES[h] for h in options if isinstance(h, type) and h in _TYPES]
     return " or ".join(names) or ("any" if hint is None else "Python only")
 

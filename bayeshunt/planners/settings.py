@@ -15,7 +15,7 @@ import pydantic
 from pydantic import BeforeValidator, ConfigDict, Field, SkipValidation, ValidationError
 from pydantic.fields import FieldInfo
 
-from bayeshunt.core.errors import BayesHuntError, InputError, shown
+from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean, shown
 
 __all__ = ["Count", "File", "Number", "SettingField", "Switch", "planner_settings", "setting", "settings_fields"]
 
@@ -42,21 +42,21 @@ _WORDS: dict[Any, str] = {int: "a whole number", float: "a number", bool: "true 
 
 def setting(
     default: Any, meaning: str, *, unit: str = "", range: str = "", gt: float | None = None, ge: float | None = None,
-    lt: float | None = None, le: float | None = None,
+    lt: float | None = None, le: float | None = None, kw_only: bool = False,
 ) -> Any:  # fmt: skip
     """Return a setting's default with what is said of it.
 
     meaning: what it does, without its range. unit: what an error calls the number ("body lengths"). range: in words,
-    where the limits (above gt, at least ge, below lt, at most le) do not say all of it.
+    where the limits (above gt, at least ge, below lt, at most le) do not say all of it. kw_only: given by name alone.
     """
     extra: Any = {"unit": unit, "range": range}
-    return Field(default, description=meaning, json_schema_extra=extra, gt=gt, ge=ge, lt=lt, le=le)
+    return Field(default, description=meaning, json_schema_extra=extra, gt=gt, ge=ge, lt=lt, le=le, kw_only=kw_only)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(setting,))
 def planner_settings(planner: str) -> Callable[[type[Kind]], type[Kind]]:
     """Make a class the settings of ``planner``: a frozen dataclass whose wrong values are InputErrors of one line."""
-    config = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+    config = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True, extra="forbid")
 
     def decorate(cls: type[Kind]) -> type[Kind]:
         made = pydantic.dataclasses.dataclass(frozen=True, config=config)(cls)
@@ -88,10 +88,11 @@ class SettingField:
 
 
 def settings_fields(kind: type) -> Iterator[SettingField]:
-    """Yield what is known of every setting of a class made by :func:`planner_settings`, files first."""
+    """Yield what is known of every setting of a class made by :func:`planner_settings`, files first, those given by
+    name alone last."""
     hints = typing.get_type_hints(kind)
     fields: dict[str, FieldInfo] = kind.__pydantic_fields__  # type: ignore[attr-defined]
-    order = sorted(dataclasses.fields(kind), key=lambda field: not _is_file(fields[field.name]))
+    order = sorted(dataclasses.fields(kind), key=lambda field: (not _is_file(fields[field.name]), field.kw_only))
     for field in order:
         info, hint = fields[field.name], hints[field.name]
         extra = typing.cast("dict[str, str]", info.json_schema_extra or {})
@@ -124,7 +125,8 @@ def _explained(error: ValidationError, planner: str, kind: type) -> BayesHuntErr
     name = str(first["loc"][0]) if first["loc"] else ""
     field = next((f for f in settings_fields(kind) if f.name == name), None)
     if field is None:
-        return InputError(f"{planner}: has no setting {name!r}")
+        names = [known.name for known in settings_fields(kind)]
+        return InputError(f"{planner}: has no setting {name!r}{did_you_mean(name, names)}")
     return InputError(f"{planner}: {name} must be {_expected(field)}, got {shown(first['input'])}")
 
 
@@ -136,7 +138,7 @@ def _expected(field: SettingField) -> str:
     if typing.get_origin(hint) is Literal:
         return f"one of {', '.join(typing.get_args(hint))}"
     if hint not in _WORDS:
-        return "a function"
+        return "a function" if typing.get_origin(hint) is not None else f"a {getattr(hint, '__name__', 'value')}"
     if hint is float and not field.unit:
         return f"a number {field.range.replace('>= ', 'of at least ')}".rstrip()
     return f"{field.unit or _WORDS[hint]} {field.range}".rstrip()

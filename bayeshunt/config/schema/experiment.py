@@ -44,6 +44,11 @@ class ExperimentSettings(ShownSettings):
         ("reactive", "prediction", "planning"), min_length=1, description="planners that are evaluated"
     )
     planner: dict[str, dict[str, Any]] = Field(default_factory=dict, description="settings of planners, by name")
+    cost: dict[str, float] = Field(
+        default_factory=dict,
+        description="what a hunt costs, for all planners that search: time (by default 1), distance, transitions, "
+        "energy, clearance, planning, seconds_per_node; what a planner has of its own (planner.NAME.cost) counts first",
+    )
     published: dict[str, dict[str, Reported]] = Field(
         default_factory=dict,
         description="published figures by planner and arena: a share, or a group of "

@@ -17,7 +17,7 @@ from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Pose
 from bayeshunt.episodes.loop import hunt
-from bayeshunt.experiments.preparation import learn_room
+from bayeshunt.experiments.preparation import learn_room, own_settings
 from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.arena.rooms import RoomModel
@@ -107,7 +107,7 @@ def _hunts(
     progress: Callable[[int], None] | None,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """One row per hunt: the side chosen, the side of the shortest way, whether it arrived, and when."""
-    planner = make_planner("detour", model, **{**settings.planner.get("detour", {}), "room": room})
+    planner = make_planner("detour", model, **{**own_settings(settings, "detour"), "room": room})
     rows = []
     for index, theta in enumerate(settings.protocol.thetas):
         hunter, prey = settings.starting_poses(float(theta))

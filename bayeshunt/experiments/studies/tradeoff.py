@@ -14,7 +14,7 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
-from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
+from bayeshunt.experiments.preparation import check_planners, learn_rooms, own_settings, prepare_planner
 from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model
 from bayeshunt.experiments.run.runner import Progress, evaluate
 from bayeshunt.experiments.scores import mean_interval, wilson_interval
@@ -49,7 +49,7 @@ def tradeoff(
 ) -> pd.DataFrame:
     """Evaluate the planner ``frugal`` under several weights, and others beside it; one row for each.
 
-    vary: weight -> values, one weight at a time, the others as in ``planner.frugal`` of the settings.
+    vary: weight -> values, one weight at a time, the others as in ``cost`` and ``planner.frugal`` of the settings.
     planners: those beside it. arena: one of the settings'.
 
     Columns: planner, weight, value (what was varied; empty for the others), runs, caught, success,
@@ -98,7 +98,7 @@ def planning_time(settings: ExperimentSettings, model: ForwardModel, planner: st
 
 
 def _weights(settings: ExperimentSettings) -> Cost:
-    chosen = settings.planner.get(WEIGHED, {})
+    chosen = own_settings(settings, WEIGHED)
     return Cost(**{f.name: chosen[f.name] for f in settings_fields(Cost) if f.name in chosen})
 
 

@@ -17,7 +17,7 @@ from bayeshunt.planners.detour.ways import WayFinder, Ways
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, RoomSettings
-from bayeshunt.planners.interception.lookahead import PairPaths
+from bayeshunt.planners.interception.lookahead import Outlook, PairPaths
 from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Number, planner_settings, setting
 
@@ -108,8 +108,10 @@ class DetourPlanner(InterceptWallsPlanner):
         goal = pose.compose(Polar(*(float(part[-1]) for part in prey)))
         ways = self.ways.to(float(goal.x), float(goal.y))
         outlook = self._outlook(pairs, futures, pose, ways, self.reach(situation))
+        if (charge := self.charge(situation, pairs)) is not None:
+            outlook = replace(outlook, times=charge(outlook.pairs()).time[..., 0])
         plan = self.best(
-            outlook.times.min(axis=1), outlook.times, "expected time to the capture, the way round [s]",
+            outlook.times.min(axis=1), outlook.times, self.objective.replace(" [s]", ", the way round [s]"),
             partial(_trace, self.gaits, pairs, outlook), prey, prey_known=bool(situation.transitions),
         )  # fmt: skip
         aim = pose.relative(Pose(*ways.waypoint(pose.x, pose.y), pose.theta))._replace(heading=np.nan)
@@ -154,6 +156,12 @@ class _Outlook:
     times: FloatArray
     captured: FloatArray
     safe: FloatArray
+
+    def pairs(self) -> Outlook:
+        """Return it as that of one future."""
+        points = self.captured.shape[-1] // 2
+        first, second = self.captured[:, 0, :points, None], self.captured[..., points:, None]
+        return Outlook(first, second, self.times[..., None])
 
 
 def _trace(gaits: tuple[str, ...], pairs: PairPaths, outlook: _Outlook) -> pd.DataFrame:

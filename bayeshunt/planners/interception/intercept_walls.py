@@ -108,6 +108,10 @@ class InterceptWallsPlanner(TurningPlanner):
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
         return mix(parts, _MOST) if len(parts) > 1 else turned
 
+    def own_walls(self) -> Walls:
+        """Return the walls of the room."""
+        return self.walls
+
     def prey_walls(self) -> Walls:
         """Return the walls as a prey turns away from them that has not been seen at one."""
         return self._kept(self.habits)

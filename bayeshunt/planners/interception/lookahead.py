@@ -6,6 +6,7 @@ for all futures), M groups of futures.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,7 @@ from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
 
-__all__ = ["Outlook", "PairPaths", "decide", "gait_paths", "look_ahead"]
+__all__ = ["Charge", "Outlook", "PairPaths", "decide", "gait_paths", "look_ahead", "path_lengths"]
 
 
 def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
@@ -37,6 +38,13 @@ def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
         bearing = share * angle
         paths.append(np.stack([chord * np.cos(bearing), chord * np.sin(bearing), share * float(end.heading)], axis=1))
     return np.stack(paths)
+
+
+def path_lengths(paths: np.ndarray) -> np.ndarray:
+    """Return the metres along paths [G, P, 3] from the origin, [G]."""
+    points = np.concatenate([np.zeros((len(paths), 1, 2)), paths[:, :, :2]], axis=1)
+    found: np.ndarray = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0)).sum(axis=1)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +106,8 @@ class Outlook:
     """What every sequence of one or two gaits is expected to bring in each future.
 
     first, second: P(captured by t) part-way through the first step [G, P, K] and the second [G, G, P, K].
-    time: expected seconds to the capture of each pair [G, G, K].
+    time: expected seconds to the capture of each pair [G, G, K]; where a planner weighs other costs too, what they
+        and the time come to, in seconds of the fastest gait.
     """
 
     first: np.ndarray
@@ -106,13 +115,19 @@ class Outlook:
     time: np.ndarray
 
 
-def look_ahead(pairs: PairPaths, futures: Futures, homing: Homing, spread: float) -> Outlook:
+#: Turns the expected time of pairs into their cost.
+Charge = Callable[[Outlook], Outlook]
+
+
+def look_ahead(
+    pairs: PairPaths, futures: Futures, homing: Homing, spread: float, charge: Charge | None = None
+) -> Outlook:
     """Value every pair of gaits in every future.
 
     ``E[time] = integral of 1 - P(captured by t) over both steps + (1 - P(captured)) homing time``.
     P(captured by t) is the largest chance so far; the chance falls from 1 to 0 as the distance
     grows from ``reach - spread`` to ``reach + spread`` [m]. The spread stands for that of both
-    robots about their means; it is 0 for sampled poses.
+    robots about their means; it is 0 for sampled poses. charge: what is charged beside the time.
     """
     points = pairs.first.shape[2]
     forward, right = (a.T for a in futures.at(pairs.times))  # [2 P, K]
@@ -123,7 +138,8 @@ def look_ahead(pairs: PairPaths, futures: Futures, homing: Homing, spread: float
     _keep_highest(second)
     interval, end = pairs.times[0], pairs.times[-1]
     during = interval * ((points - first.sum(axis=-2))[:, None] + (points - second.sum(axis=-2)))
-    return Outlook(first, second, during + (1.0 - second[:, :, -1]) * homing.time(pairs.end, futures, end))
+    found = Outlook(first, second, during + (1.0 - second[:, :, -1]) * homing.time(pairs.end, futures, end))
+    return found if charge is None else charge(found)
 
 
 def _keep_highest(chance: np.ndarray) -> None:

@@ -13,9 +13,12 @@ from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.cost import Charges, Cost
+from bayeshunt.planners.interception.bouncing import Walls
+from bayeshunt.planners.interception.charging import PairCharge, near_walls
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
-from bayeshunt.planners.interception.lookahead import PairPaths, decide, look_ahead
+from bayeshunt.planners.interception.lookahead import Charge, PairPaths, decide, look_ahead
 
 __all__ = ["PairPlanner", "trace"]
 
@@ -24,10 +27,10 @@ class PairPlanner(Shown):
     """Chooses the pair of gaits of the earliest expected capture; ties go to the first in table order.
 
     homing: the estimate beyond both steps; each decision has its own :meth:`reach`. spread: metres, see
-    :func:`look_ahead`.
+    :func:`look_ahead`. cost: what else is weighed.
     """
 
-    def __init__(self, model: ForwardModel, homing: Homing, spread: float) -> None:
+    def __init__(self, model: ForwardModel, homing: Homing, spread: float, cost: Cost) -> None:
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
         self.time_step = model.gaits.need("duration")
@@ -36,6 +39,7 @@ class PairPlanner(Shown):
         #: Those that follow a gait, where that changes them.
         self.pairs_after = {gait: PairPaths.mean(model, gait) for gait in after}
         self.homing, self.spread = homing, spread
+        self.charges = Charges(model, cost) if cost.of_gaits else None
 
     def pairs_from(self, situation: Situation) -> PairPaths:
         """Return the mean paths of every pair of gaits after the one just executed."""
@@ -44,6 +48,25 @@ class PairPlanner(Shown):
     def reach(self, situation: Situation) -> float:
         """Return the distance between the centres that is a capture [m]; by default the homing estimate's."""
         return self.homing.reach
+
+    def own_walls(self) -> Walls | None:
+        """Return the walls at which the hunter's own centre is stopped, in the frame of the start; None: none known."""
+        return None
+
+    def charge(self, situation: Situation, pairs: PairPaths) -> Charge | None:
+        """Return what a decision charges beside the time; None: nothing."""
+        if self.charges is None:
+            return None
+        walls, near = self.own_walls(), None
+        if self.charges.cost.clearance and walls is not None and situation.pose is not None:
+            near = near_walls(walls, situation.pose, pairs, self.hunter.need("body_length"))
+        return PairCharge(self.charges, self.charges.number(situation.previous_gait), near)
+
+    @property
+    def objective(self) -> str:
+        """What the values of plans are."""
+        weighed = "" if self.charges is None else f", weighed by {self.charges.cost}"
+        return f"expected time to the capture{weighed} [s]"
 
     def choose(self, situation: Situation, pairs: PairPaths, futures: Futures) -> Plan:
         """Return the best plan against ``futures``.
@@ -54,11 +77,12 @@ class PairPlanner(Shown):
         homing = self.homing
         if (reach := self.reach(situation)) != homing.reach:
             homing = replace(homing, reach=reach)
-        outlook = look_ahead(pairs, futures, homing, self.spread)
+        charge = self.charge(situation, pairs)
+        outlook = look_ahead(pairs, futures, homing, self.spread, charge)
         values, pair_values = decide(outlook, futures)
         return self.best(
-            values, pair_values, "expected time to the capture [s]",
-            partial(trace, self.gaits, pairs, futures, homing, self.spread), self.predicted(futures),
+            values, pair_values, self.objective,
+            partial(trace, self.gaits, pairs, futures, homing, self.spread, charge), self.predicted(futures),
             prey_known=bool(situation.transitions),
         )  # fmt: skip
 
@@ -86,14 +110,17 @@ class PairPlanner(Shown):
         )
 
 
-def trace(gaits: tuple[str, ...], pairs: PairPaths, futures: Futures, homing: Homing, spread: float) -> pd.DataFrame:
+def trace(
+    gaits: tuple[str, ...], pairs: PairPaths, futures: Futures, homing: Homing, spread: float,
+    charge: Charge | None = None,
+) -> pd.DataFrame:  # fmt: skip
     """Return one row per sequence: the root, every first gait, every pair.
 
-    T; gaits; gait (the last); hunter_* (mean pose at T); value_s: expected time of capture [s], of a
+    T; gaits; gait (the last); hunter_* (mean pose at T); value_s: expected time of capture [s], charged, of a
     first gait with the best second one for what will then be seen; capture_probability: by the end
     of step T; capture_by_N: P(captured by t) at the N-th part-way time, NaN beyond the sequence's end.
     """
-    outlook = look_ahead(pairs, futures, homing, spread)
+    outlook = look_ahead(pairs, futures, homing, spread, charge)
     values, pair_values = decide(outlook, futures)
     count, points = len(gaits), pairs.first.shape[2]
     first, second = np.repeat(np.arange(count), count), np.tile(np.arange(count), count)

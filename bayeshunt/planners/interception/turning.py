@@ -14,6 +14,7 @@ from bayeshunt.core.task import CATCH_BODIES
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
 from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.cost import Weighed
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import Homing
@@ -28,7 +29,7 @@ _WANDER = 2.0
 
 
 @planner_settings("interception")
-class TurningSettings:
+class TurningSettings(Weighed):
     """Settings of the interception hunter; the constants were chosen on seeds that no result is reported on."""
 
     catch_distance: Number | None = setting(
@@ -85,7 +86,7 @@ class TurningPlanner(PairPlanner):
         own = OwnMotion.of(model, chosen.turn_threshold, steps)
         price = chosen.heading_price * steps * step / own.softest_turn
         reach = (CATCH_BODIES if chosen.catch_distance is None else chosen.catch_distance) * body
-        super().__init__(model, Homing(own.top_speed / (steps * step), reach, price), chosen.spread * body)
+        super().__init__(model, Homing(own.top_speed / (steps * step), reach, price), chosen.spread * body, chosen.cost)
         #: Time-steps, and seconds, in which the prey's motion is counted.
         self.steps, self.leg = steps, steps * step
         self.prior = TurnModel(

@@ -13,6 +13,7 @@ import pandas as pd
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Plan, Shown, Situation
+from bayeshunt.planners.cost import Charges, Weighed
 from bayeshunt.planners.requests import check_request, predict_prey
 from bayeshunt.planners.search.rollouts import (
     CompiledRollouts,
@@ -20,6 +21,7 @@ from bayeshunt.planners.search.rollouts import (
     LazyRollouts,
     Objective,
     Outcomes,
+    Spent,
     count_nodes,
     mean_distance,
 )
@@ -35,7 +37,7 @@ _COMPILED_POSES = 4_000_000
 
 
 @planner_settings("planning")
-class PlanningSettings:
+class PlanningSettings(Weighed):
     """Settings of the planning hunter; the defaults are those of the preset "paper"."""
 
     depth: Count = setting(10, "longest gait sequence, time-steps", ge=1)
@@ -66,6 +68,10 @@ class PlanningPlanner(Shown):
     still, and ``prey_known`` is False. ``rng`` picks the block of samples. In a model of structure
     "previous_gait" each outcome is drawn given the gait before: within the sequence and, for its first
     gait, the one just executed (at the start of a hunt it is not known, and summed over).
+
+    Where changes of gait, energy or way cost something, the value has what a sequence costs beyond as long a run of the
+    fastest gait, in metres: as many as the fastest gait gains on the prey for the same cost. Where planning costs
+    something, the search stops once an expansion costs more than all that is left to gain.
     """
 
     name = "planning"
@@ -75,6 +81,9 @@ class PlanningPlanner(Shown):
         self.settings = settings = PlanningSettings(**given) if settings is None else settings
         self.hunter = model.gaits
         self.gaits = tuple(model.gaits.names)
+        weighs = settings.cost.of_gaits or settings.cost.planning
+        #: What gaits cost beside their distance to the prey; None: nothing.
+        self.charges = Charges(model, settings.cost) if weighs else None
         outcomes = Outcomes.draw(model, settings.depth, settings.samples, settings.blocks, settings.bank_seed)
         after = {self.gaits[gait]: outcomes.starting_after(gait) for gait in range(len(outcomes.after))}
         make = self._maker(1 + len(after))
@@ -88,17 +97,17 @@ class PlanningPlanner(Shown):
         chosen = self.settings
         prey, known = predict_prey(situation, chosen.depth)
         rollouts = self.rollouts_after.get(situation.previous_gait or "", self.rollouts)
-        space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective)
         body = situation.need("body_length")
-        tree = Search(chosen.order, chosen.depth, chosen.expansions, chosen.stop_distance * body).run(space)
+        spent, price = self._charged(situation, prey)
+        space = rollouts.space(int(rng.integers(chosen.blocks)), prey, chosen.objective, spent)
+        stop = max(chosen.stop_distance * body, price)
+        tree = Search(chosen.order, chosen.depth, chosen.expansions, stop).run(space)
         gaits = tuple(self.gaits[space.gait(tree.handles[n])] for n in tree.branch(tree.best)[1:])
         return Plan(
             gait=gaits[0],
             gaits=gaits,
             value=tree.values[tree.best],
-            objective="mean distance to the prey at the end of the sequence [m]"
-            if chosen.objective is mean_distance
-            else getattr(chosen.objective, "__name__", repr(chosen.objective)),
+            objective=self._objective,
             nodes=len(tree.handles),
             make_trace=partial(_trace, self.gaits, space.describe, tree, prey, body),
             expansions=len(tree.expanded),
@@ -106,6 +115,24 @@ class PlanningPlanner(Shown):
             prey_known=known,
             predicted_prey=prey,
         )
+
+    @property
+    def _objective(self) -> str:
+        """What the values of plans are."""
+        chosen = self.settings.objective
+        if chosen is not mean_distance:
+            return getattr(chosen, "__name__", repr(chosen))
+        weighed = "" if self.charges is None else f", weighed by {self.settings.cost}"
+        return f"mean distance to the prey at the end of the sequence{weighed} [m]"
+
+    def _charged(self, situation: Situation, prey: Polar[FloatArray]) -> tuple[Spent | None, float]:
+        """Return what sequences after the gait just executed cost, None: nothing, and an expansion; in metres left."""
+        if self.charges is None:
+            return None, 0.0
+        metres, cost = self.charges.metres_of(prey), self.charges.cost
+        price = cost.planning * cost.seconds_per_node * len(self.gaits) * metres
+        before = self.charges.number(situation.previous_gait)
+        return (Spent(self.charges.beyond_fastest * metres, before) if cost.of_gaits else None), price
 
     def _maker(self, banks: int) -> Callable[[Outcomes], CompiledRollouts | LazyRollouts]:
         """Return what makes rollouts of outcomes: composed beforehand, if ``banks`` of them are not too many."""

@@ -32,6 +32,7 @@ __all__ = [
     "LazySpace",
     "Objective",
     "Outcomes",
+    "Spent",
     "children_allowed",
     "count_nodes",
     "mean_distance",
@@ -79,6 +80,16 @@ def mean_distance(hunter: HunterSamples, prey: Polar[FloatArray]) -> np.ndarray:
     return values
 
 
+class Spent(NamedTuple):
+    """What is added to the values of sequences: a table [G + 1, G] by gait before and gait, summed along each.
+
+    before: number of the gait just executed, -1 (the last row): not known.
+    """
+
+    table: np.ndarray
+    before: int
+
+
 @dataclass(frozen=True)
 class GaitTree:
     """Every gait sequence of at most ``depth`` gaits with at most ``max_transitions`` changes of gait.
@@ -93,6 +104,20 @@ class GaitTree:
     gaits: np.ndarray
     transitions: np.ndarray
     first_child: np.ndarray
+
+    def along(self, table: np.ndarray, before: int) -> np.ndarray:
+        """Return the sum of a table [G + 1, G] by gait before and gait along every sequence [N], read-only.
+
+        before: number of the gait just executed, -1 (the last row): not known.
+        """
+        total = np.zeros(len(self.steps))
+        for step in range(1, int(self.steps.max()) + 1):
+            new = np.flatnonzero(self.steps == step)
+            parents = self.parents[new]
+            last = self.gaits[parents] if step > 1 else np.full(len(new), before)
+            total[new] = total[parents] + table[last, self.gaits[new]]
+        total.setflags(write=False)
+        return total
 
     @classmethod
     def grow(cls, gaits: int, depth: int, max_transitions: int) -> GaitTree:
@@ -204,11 +229,15 @@ class CompiledRollouts:
         self.poses = poses
         self._first_child: list[int] = tree.first_child.tolist()
 
-    def space(self, block: int, prey: Polar[FloatArray], objective: Objective) -> CompiledSpace:
+    def space(
+        self, block: int, prey: Polar[FloatArray], objective: Objective, spent: Spent | None = None
+    ) -> CompiledSpace:
         """Return the search space of one decision: every node is valued in one pass."""
         forward, right, heading = self.poses[:, block]
         samples = HunterSamples(forward, right, heading, self.tree.steps)
-        return CompiledSpace(self.tree, self._first_child, samples, objective(samples, prey))
+        values = objective(samples, prey)
+        values = values if spent is None else values + self.tree.along(*spent)
+        return CompiledSpace(self.tree, self._first_child, samples, values)
 
 
 class CompiledSpace:
@@ -239,31 +268,35 @@ class LazyRollouts:
     def __init__(self, outcomes: Outcomes, max_transitions: int) -> None:
         self.outcomes, self.max_transitions = outcomes, max_transitions
 
-    def space(self, block: int, prey: Polar[FloatArray], objective: Objective) -> LazySpace:
+    def space(self, block: int, prey: Polar[FloatArray], objective: Objective, spent: Spent | None = None) -> LazySpace:
         """Return the search space of one decision."""
-        return LazySpace(self, block, prey, objective)
+        return LazySpace(self, block, prey, objective, spent)
 
 
 class LazySpace:
-    """A search space whose handles are (T, gait, transitions, forward [S], right [S], heading [S])."""
+    """A search space whose handles are (T, gait, transitions, forward [S], right [S], heading [S], spent)."""
 
-    def __init__(self, rollouts: LazyRollouts, block: int, prey: Polar[FloatArray], objective: Objective) -> None:
+    def __init__(
+        self, rollouts: LazyRollouts, block: int, prey: Polar[FloatArray], objective: Objective,
+        spent: Spent | None = None,
+    ) -> None:  # fmt: skip
         first, *after = (
             [a[block] for a in (part.forward, part.right, part.heading)]  # [T, S, G]
             for part in (rollouts.outcomes, *rollouts.outcomes.after)
         )
         self._moves, self._moves_after = first, after
         self._max_transitions, self._prey, self._objective = rollouts.max_transitions, prey, objective
+        self._spent = spent
 
     def root(self) -> tuple[Any, float]:
         """Return the empty sequence and the present value."""
         still = np.zeros(self._moves[0].shape[1])
         samples = HunterSamples(still[:, None], still[:, None], still[:, None], np.zeros(1, dtype=int))
-        return (0, -1, 0, still, still, still), float(self._objective(samples, self._prey)[0])
+        return (0, -1, 0, still, still, still, 0.0), float(self._objective(samples, self._prey)[0])
 
     def expand(self, handle: Any) -> tuple[Sequence[Any], list[float]]:
         """Return the handles and values of a node's children, in gait order."""
-        step, gait, changes, *before = handle
+        step, gait, changes, *before, spent = handle
         depth, _, gaits = self._moves[0].shape
         if step == depth:
             return (), []
@@ -273,8 +306,13 @@ class LazySpace:
         moves = [a[step][:, new] for a in known]
         poses = _compose(*(a[:, None] for a in before), *moves)
         values = self._objective(HunterSamples(*poses, np.full(len(new), step + 1)), self._prey)
+        costs = np.zeros(len(new))
+        if self._spent is not None:
+            costs = spent + self._spent.table[gait if step else self._spent.before, new]
+            values = values + costs
         children = [
-            (step + 1, g, changes + (gait >= 0 and g != gait), *(a[:, i] for a in poses)) for i, g in enumerate(new)
+            (step + 1, g, changes + (gait >= 0 and g != gait), *(a[:, i] for a in poses), costs[i])
+            for i, g in enumerate(new)
         ]
         return children, values.tolist()
 

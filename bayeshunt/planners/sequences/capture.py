@@ -14,7 +14,7 @@ import numpy as np
 
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
-from bayeshunt.planners.interception.lookahead import gait_paths
+from bayeshunt.planners.interception.lookahead import gait_paths, path_lengths
 from bayeshunt.planners.search.rollouts import GaitTree
 
 __all__ = ["CapturePaths", "PreyPaths"]
@@ -68,7 +68,7 @@ class CapturePaths:
         self.by_previous = after is not None
         self._compose(paths, after)
         own = gait_paths(model)
-        self.lengths = self._lengths(own)
+        self.lengths = path_lengths(own)
         self._ways(paths, after)
         self.fastest = int(self.lengths.argmax())
         self.speed = float(self.lengths.max() / self.duration)
@@ -76,8 +76,8 @@ class CapturePaths:
 
     def _ways(self, paths: np.ndarray, after: np.ndarray | None) -> None:
         """Add up the metres along every sequence [N]."""
-        tree, first = self.tree, self._lengths(paths)
-        later = None if after is None else np.stack([self._lengths(part) for part in after])
+        tree, first = self.tree, path_lengths(paths)
+        later = None if after is None else np.stack([path_lengths(part) for part in after])
         self.ways = np.zeros(len(tree.steps))
         for step in range(1, self.depth + 1):
             new = slice(self.layers[step], self.layers[step + 1])
@@ -108,12 +108,6 @@ class CapturePaths:
             forward, across = x + cos * ahead - sin * right, y + sin * ahead + cos * right
             self.forward[new], self.right[new] = forward, across
             self.end[:, new] = forward[:, -1], across[:, -1], heading[:, 0] + turn[:, -1]
-
-    def _lengths(self, paths: np.ndarray) -> np.ndarray:
-        """Return metres along each gait's mean path, [G]."""
-        points = np.concatenate([np.zeros((len(paths), 1, 2)), paths[:, :, :2]], axis=1)
-        found: np.ndarray = np.hypot(*np.moveaxis(np.diff(points, axis=1), 2, 0)).sum(axis=1)
-        return found
 
     def _turn_price(self, paths: np.ndarray) -> float:
         turns = np.abs(paths[:, -1, 2])

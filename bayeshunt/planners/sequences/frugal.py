@@ -10,11 +10,11 @@ import numpy as np
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Situation
-from bayeshunt.planners.cost import Cost, Energies
+from bayeshunt.planners.cost import Charges, Cost
 from bayeshunt.planners.requests import check_request, predict_prey
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
 from bayeshunt.planners.sequences.hunter import SearchSettings, SequenceHunter, capture_plan
-from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+from bayeshunt.planners.settings import Count, planner_settings, setting
 
 __all__ = ["CostWeights", "Frugal", "FrugalSettings"]
 
@@ -26,7 +26,6 @@ CostWeights = Cost
 class FrugalSettings(SearchSettings, Cost):
     """Settings of the frugal hunter: what a hunt costs, and how it searches."""
 
-    seconds_per_node: Number = setting(1e-6, "seconds that considering one sequence takes", ge=0)
     depth: Count = setting(3, "gaits of the longest sequence", ge=1)
     max_transitions: Count = setting(2, "most changes of gait in a sequence", ge=0)
 
@@ -41,7 +40,7 @@ class Frugal(SequenceHunter):
 
     The search deepens step by step, and stops where looking one step further would cost more planning
     than the last step further has gained (the first: than there is to gain): nodes x
-    ``seconds_per_node`` x the price of planning.
+    the seconds of a node x the price of planning.
 
     ``rng`` is not used.
     """
@@ -52,13 +51,12 @@ class Frugal(SequenceHunter):
 
     def __init__(self, model: ForwardModel, settings: FrugalSettings | None = None, **given: Any) -> None:
         super().__init__(model, settings, **given)
-        self._first = self._first_gaits()
         depth, changes = self.settings.depth, self.settings.max_transitions
         self._after = {
             gait: CapturePaths(model, depth, changes, previous_gait=gait, tree=self.paths.tree)
             for gait in (self.gaits if depends_on_previous(model.structure) else ())
         }
-        self._energy = Energies(model) if self.settings.energy else None
+        self.charges = Charges(model, self.settings)
 
     def paths_after(self, previous_gait: str | None) -> CapturePaths:
         """Return the mean paths of every sequence that follows a gait, where that changes them."""
@@ -75,7 +73,7 @@ class Frugal(SequenceHunter):
         best = math.inf
         for depth in range(1, paths.depth + 1):
             new = np.arange(paths.layers[depth], paths.layers[depth + 1])
-            costs = self._costs(paths, new, caught, prey, reach, situation)
+            costs = self.costs(paths, new, caught[None, new], prey, reach, situation)[0]
             shallower, best = best, min(best, float(costs.min()))
             values[new] = costs
             # looking further can gain at most what is left to pay
@@ -93,54 +91,6 @@ class Frugal(SequenceHunter):
             return True
         more = self.paths.layers[depth + 2] - self.paths.layers[depth + 1]
         return bool(self.settings.planning * self.settings.seconds_per_node * more > gained)
-
-    def _costs(
-        self, paths: CapturePaths, nodes: np.ndarray, caught: np.ndarray, prey: PreyPaths, reach: float,
-        situation: Situation,
-    ) -> np.ndarray:  # fmt: skip
-        """Return the cost of sequences that end after their last gait, or at the capture within it, [n]."""
-        tree = paths.tree
-        end = tree.steps[nodes] * paths.duration
-        within = np.isfinite(caught[nodes])
-        onward = paths.times_to_go(nodes, prey, reach, paths.turn_price)[0]
-        time = np.where(within, caught[nodes], end + onward)
-        # of the last gait, only what is driven before the capture
-        share = np.where(within, (caught[nodes] - (end - paths.duration)) / paths.duration, 1.0)
-        distance = (
-            paths.ways[nodes] - (1 - share) * paths.last_ways(nodes) + np.where(within, 0.0, paths.speed * onward)
-        )
-        changes = tree.transitions[nodes] + (0 if situation.previous_gait is None else self._changed(nodes, situation))
-        energy = self._joules(paths, nodes, share, np.where(within, 0.0, onward), situation.previous_gait)
-        return np.asarray(self.settings.total(time, distance, changes, 0.0, energy))
-
-    def _joules(
-        self, paths: CapturePaths, nodes: np.ndarray, share: np.ndarray, onward: np.ndarray, previous: str | None
-    ) -> np.ndarray | float:
-        """Return the energy [J] of sequences [n], of ``share`` of their last gait, and of going on at top speed."""
-        if self._energy is None:
-            return 0.0
-        before = self.gaits.index(previous) if previous in self.gaits else -1
-        spent, parents = self._energy.of(paths.tree, before), paths.tree.parents[nodes]
-        fast = paths.fastest
-        rate = self._energy.steps[fast, fast] / paths.duration
-        found: np.ndarray | float = spent[parents] + share * (spent[nodes] - spent[parents]) + rate * onward
-        return found
-
-    def _changed(self, nodes: np.ndarray, situation: Situation) -> np.ndarray:
-        """Return 1 where a sequence does not begin with the gait just executed, [n]."""
-        if situation.previous_gait not in self.gaits:
-            return np.ones(len(nodes))
-        found: np.ndarray = (self._first[nodes] != self.gaits.index(situation.previous_gait)).astype(float)
-        return found
-
-    def _first_gaits(self) -> np.ndarray:
-        """Return the first gait of every sequence, [N]."""
-        tree, layers = self.paths.tree, self.paths.layers
-        first = tree.gaits.copy()
-        for step in range(2, self.paths.depth + 1):
-            new = slice(layers[step], layers[step + 1])
-            first[new] = first[tree.parents[new]]
-        return first
 
     def _prey(self, situation: Situation) -> PreyPaths:
         """Return the one path that the prey is expected to take, [1, T P + 1]."""

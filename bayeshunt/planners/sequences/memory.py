@@ -15,6 +15,7 @@ from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory, TransitionTables
 from bayeshunt.planners.api import Plan, Situation
+from bayeshunt.planners.cost import Charges, Weighed
 from bayeshunt.planners.guidance.steering import prey_track
 from bayeshunt.planners.info import PlannerInfo
 from bayeshunt.planners.requests import check_request
@@ -43,7 +44,7 @@ class _Expert(NamedTuple):
 
 
 @planner_settings("memory")
-class MemorySettings(SearchSettings):
+class MemorySettings(SearchSettings, Weighed):
     """Settings of the hunters that remember: how far they believe their memory, and how they search."""
 
     tables: File[PreyMemory | str | os.PathLike[str] | None] = setting(
@@ -87,6 +88,7 @@ class Memory(SequenceHunter):
         self.info.check_given(self.name, {"tables": tables})
         memory = tables if isinstance(tables, PreyMemory) else PreyMemory.load(tables)  # type: ignore[arg-type]
         kind = self.kind
+        self.charges = Charges(model, self.settings.cost) if self.settings.cost.of_gaits else None
         self.experts = [_Expert(arena, kinds[kind], kinds["all"]) for arena, kinds in memory.tables.items()]
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
@@ -98,18 +100,32 @@ class Memory(SequenceHunter):
         weights = self._weigh(situation, own)
         prey = self._sample(situation, own, weights, rng)
         reach = self.reach(situation)
+        values = np.full(len(paths.tree.steps), np.inf)
+        values[self.leaves] = self._value(prey, reach, situation).mean(axis=0)
+        labels = ["this_run", *(expert.label for expert in self.experts)]
+        weighed = "" if self.charges is None else f", weighed by {self.charges.cost}"
+        what = f"expected time of capture{weighed} [s]"
+        plan = capture_plan(paths, self.gaits, values, prey, situation, what, prey_known=True)
+        return dataclasses.replace(plan, make_trace=partial(_with_weights, plan.make_trace, labels, weights))
+
+    def _value(self, prey: PreyPaths, reach: float, situation: Situation) -> np.ndarray:
+        """Return what every sequence of full depth is worth on every path: time of capture or cost, [K, leaves]."""
+        paths, leaves = self.paths, self.leaves
         times = paths.first_captures(prey, reach)
-        for step in range(2, paths.depth + 1):
+        costs = np.zeros_like(times)
+        for step in range(1, paths.depth + 1):
             new = slice(paths.layers[step], paths.layers[step + 1])
-            np.minimum(times[:, new], times[:, paths.tree.parents[new]], out=times[:, new])
-        leaves = self.leaves
+            parents = paths.tree.parents[new]
+            if self.charges is not None:
+                nodes = np.arange(new.start, new.stop)
+                own = self.costs(paths, nodes, times[:, new], prey, reach, situation)
+                costs[:, new] = np.where(np.isfinite(times[:, parents]), costs[:, parents], own)
+            np.minimum(times[:, new], times[:, parents], out=times[:, new])
+        if self.charges is not None:
+            return np.asarray(costs[:, leaves])
         caught = times[:, leaves]
         onward = paths.depth * paths.duration + paths.times_to_go(leaves, prey, reach, paths.turn_price)
-        values = np.full(len(paths.tree.steps), np.inf)
-        values[leaves] = np.where(np.isfinite(caught), caught, onward).mean(axis=0)
-        labels = ["this_run", *(expert.label for expert in self.experts)]
-        plan = capture_plan(paths, self.gaits, values, prey, situation, "expected time of capture [s]", prey_known=True)
-        return dataclasses.replace(plan, make_trace=partial(_with_weights, plan.make_trace, labels, weights))
+        return np.where(np.isfinite(caught), caught, onward)
 
     def _weigh(self, situation: Situation, own: TransitionTables) -> np.ndarray:
         """Return the weights of this run and of every memory [1 + E]; ``own`` counts this run on the way."""

@@ -24,7 +24,7 @@ def trace(gaits: tuple[str, ...], weighing: Weighing, body: float) -> pd.DataFra
     on the way). information: expected bits that the looks tell about which square of a body length the prey is in
     at the end of the first step. lost_s: price that is expected to be paid for not seeing it.
     """
-    frame = pairs.trace(gaits, weighing.pairs, weighing.futures, weighing.homing, weighing.spread)
+    frame = pairs.trace(gaits, weighing.pairs, weighing.futures, weighing.homing, weighing.spread, weighing.charge)
     outlook = weighing.outlook()
     values, pair_values = weighing.values(outlook)
     count = len(gaits)

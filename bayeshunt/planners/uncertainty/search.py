@@ -86,14 +86,19 @@ class SearchPlanner(TurningPlanner):
         weighing = Weighing(
             pairs, futures, replace(self.homing, reach=self.reach(situation)), self.spread,
             sight(pairs, camera, reach, futures), Price(self.settings.price, self.settings.most_price),
+            self.charge(situation, pairs),
         )  # fmt: skip
         outlook = weighing.outlook()
         values, pair_values = weighing.values(outlook)
         return self.best(
-            values, pair_values, "expected time to the capture, sight priced [s]",
+            values, pair_values, self.objective.replace(" [s]", ", sight priced [s]"),
             partial(trace, self.gaits, weighing, self.body), self.predicted(futures),
             prey_known=_seen_moving(situation),
         )  # fmt: skip
+
+    def own_walls(self) -> Walls:
+        """Return the walls of the room."""
+        return Walls.of(self.room)
 
     def prey_walls(self) -> Walls:
         """Return the walls where the prey turns away."""

@@ -9,7 +9,7 @@ import numpy as np
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
-from bayeshunt.planners.interception.lookahead import Outlook, PairPaths, look_ahead
+from bayeshunt.planners.interception.lookahead import Charge, Outlook, PairPaths, look_ahead
 from bayeshunt.planners.uncertainty.sight import Sight
 
 __all__ = ["Price", "Weighing"]
@@ -26,14 +26,15 @@ class Weighing:
     """One decision: what every pair of gaits is worth."""
 
     def __init__(
-        self, pairs: PairPaths, futures: Futures, homing: Homing, spread: float, sight: Sight, price: Price
-    ) -> None:
+        self, pairs: PairPaths, futures: Futures, homing: Homing, spread: float, sight: Sight, price: Price,
+        charge: Charge | None = None,
+    ) -> None:  # fmt: skip
         self.pairs, self.futures, self.homing, self.spread = pairs, futures, homing, spread
-        self.sight, self.price = sight, price
+        self.sight, self.price, self.charge = sight, price, charge
 
     def outlook(self) -> Outlook:
         """Return what every pair brings in every future."""
-        return look_ahead(self.pairs, self.futures, self.homing, self.spread)
+        return look_ahead(self.pairs, self.futures, self.homing, self.spread, self.charge)
 
     def lost(self) -> FloatArray:
         """Return what each future costs that is not seen [s, K]."""
