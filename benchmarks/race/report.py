@@ -107,9 +107,8 @@ def _paired(found: Sequence[Ended]) -> str:
             if row.reward and not other.reward and row.arena == other.arena:
                 gap = np.array(times) - np.array(theirs)
                 error = float(np.std(gap) / math.sqrt(len(gap)))
-                lines.append(
-                    f"| {row.hunter}, {row.gaits:,} gaits | {row.arena} | {label(other)} | {gap.mean():+.2f} ± {error:.2f} |"
-                )
+                who = f"{row.hunter}, {row.gaits:,} gaits"
+                lines.append(f"| {who} | {row.arena} | {label(other)} | {gap.mean():+.2f} ± {error:.2f} |")
     if not lines:
         return ""
     head = "| learner | arena | minus | difference of the mean time [s] |\n| --- | --- | --- | --- |"

@@ -47,7 +47,7 @@ class ExperimentSettings(ShownSettings):
     cost: dict[str, float] = Field(
         default_factory=dict,
         description="what a hunt costs, for all planners that search: time (by default 1), distance, transitions, "
-        "energy, clearance, planning, seconds_per_node; what a planner has of its own (planner.NAME.cost) counts first",
+        "energy, clearance, planning, seconds_per_node; the cost in a planner's own section counts first",
     )
     published: dict[str, dict[str, Reported]] = Field(
         default_factory=dict,

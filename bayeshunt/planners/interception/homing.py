@@ -55,7 +55,8 @@ class Homing:
             cost = np.maximum(time, wait) + self._turning(chase, to_x, to_y)
             found[..., chase.columns] = np.where(meets, cost, found[..., chase.columns])
             chase.met |= meets
-            if (rest := ~chase.met.all(axis=chase.others)).any():
+            rest = np.asarray(~chase.met.all(axis=chase.others))
+            if rest.any():
                 chase = chase.only(rest)
             else:
                 break
@@ -134,8 +135,9 @@ class _Chase:
         """Return it for some of the futures, bool [K]."""
         if chosen.all():
             return self
-        parts = (part if part.shape[-1] == 1 else part[..., chosen] for part in (self.x, self.y, self.cos, self.sin))
-        return _Chase(self.futures.only(chosen), self.columns[chosen], *parts, self.met[..., chosen])
+        places = (self.x, self.y, self.cos, self.sin)
+        x, y, cos, sin = (part if part.shape[-1] == 1 else part[..., chosen] for part in places)
+        return _Chase(self.futures.only(chosen), self.columns[chosen], x, y, cos, sin, self.met[..., chosen])
 
     def gone(self, ahead: np.ndarray, right: np.ndarray, chasing: np.ndarray, run: np.ndarray) -> _Chase:
         """Return it after ``run`` metres [..., K] in the direction of (ahead, right), where it is ``chasing``."""
