@@ -113,6 +113,7 @@ class Box2DWorld:
         self._step = partial(self.world.Step, physics.step, physics.velocity_iterations, physics.position_iterations)
         self.bodies, self._prey = {}, []
         self._steps = self._phase = 0
+        self._until: object = self  # nothing yet
         arena = self.scene.arena
         if arena.walled:
             build_walls(self.world, arena.width / self.unit, arena.height / self.unit)
@@ -147,6 +148,9 @@ class Box2DWorld:
 
     def _aim(self, until: Reach | None) -> None:
         """Keep whose distance is looked at in every physics step; of nobody, one that is never short enough."""
+        if until is self._until:  # the same in every run of a hunt
+            return
+        self._until = until
         if until is None:
             first = self._drives[0].position
             self._pair, self._near, self._apart = (first, first), -1.0, inf
@@ -165,20 +169,22 @@ class Box2DWorld:
         return bool(dx * dx + dy * dy <= self._near)
 
     def _begin_interval_if_placed(self) -> None:
-        if any(body.placed for body in self._drives):
-            self._phase = 0
-            for body in self._drives:
-                body.placed = False
+        for body in self._drives:
+            if body.placed:
+                self._phase, body.placed = 0, False
 
     def _hold(self, remaining: int, steered: Sequence[_Steered], trail: Trail) -> bool:
         """Take ``remaining`` physics steps, fewer if there is a catch; return whether there was one.
 
-        At the start of each control interval there is new noise, and every prey that steers itself decides.
+        At the start of each control interval there is new noise, and every prey that steers itself decides. One loop
+        without calls of its own: it is where the time of all hunts goes.
         """
-        begun, control, unit, hunter = self._steps, self.physics.control_steps, self.unit, self._hunter
-        live, begins, note, advance = self._live, self._begins, trail.note, self._advance
-        steps, phase, stopped = begun, self._phase, False
-        while remaining > 0 and not stopped:
+        (one, other), near, far, world = self._pair, self._near, self._apart, self.world
+        live, begins, moves, step, note = self._live, self._begins, self._moves, self._step, trail.note
+        control, unit, hunter = self.physics.control_steps, self.unit, self._hunter
+        begun = steps = self._steps
+        phase, end, caught = self._phase, begun + remaining, False
+        while steps < end and not caught:
             if not phase:
                 places = []
                 for at, angle in live:
@@ -190,33 +196,20 @@ class Box2DWorld:
                 for number, steer, act in steered:
                     (own_x, own_y, theta), (x, y, _) = places[number], places[hunter]
                     steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
-            left = control - phase
-            taken = advance(left if left < remaining else remaining)
-            if taken < 0:
-                stopped, taken = True, -taken
-            phase = (phase + taken) % control
-            steps += taken
-            remaining -= taken
-        self._steps, self._phase = steps, phase
-        note((steps, [(at.x, at.y, angle()) for at, angle in live]))
-        return stopped
-
-    def _advance(self, count: int) -> int:
-        """Take up to ``count`` physics steps; return how many, negative if the last of them was the catch."""
-        (one, other), near, far = self._pair, self._near, self._apart
-        world, step, moves = self.world, self._step, self._moves
-        for taken in range(1, count + 1):
             for move in moves:
                 move()
             step()
+            steps += 1
+            phase = phase + 1 if phase + 1 < control else 0
             dx, dy = one.x - other.x, one.y - other.y
             gap = dx * dx + dy * dy
             if gap < far and world.contactCount:
                 for body in self._drives:
                     body.read_back()
-            if gap <= near:
-                return -taken
-        return count
+            caught = gap <= near
+        self._steps, self._phase = steps, phase
+        note((steps, [(at.x, at.y, angle()) for at, angle in live]))
+        return caught
 
 
 def new_world() -> Any:
