@@ -55,11 +55,10 @@ class Homing:
             cost = np.maximum(time, wait) + self._turning(chase, to_x, to_y)
             found[..., chase.columns] = np.where(meets, cost, found[..., chase.columns])
             chase.met |= meets
-            rest = np.asarray(~chase.met.all(axis=chase.others))
-            if rest.any():
-                chase = chase.only(rest)
-            else:
+            rest = np.logical_not(chase.met.all(axis=chase.others))
+            if not rest.any():
                 break
+            chase = chase.only(rest)
         return found
 
     def _surprised(self, end: np.ndarray, futures: Futures, start: float) -> np.ndarray:
@@ -71,11 +70,11 @@ class Homing:
             time, to_x, to_y = self._meet(
                 ahead - chase.x, right - chase.y, future.heading[:, leg], future.leg_speed(leg)
             )
-            rest = until - clock
-            chasing = ~chase.met & (rest > 0.0)
-            run = np.where(chasing, np.minimum(time, rest), 0.0)
+            left = until - clock
+            chasing = ~chase.met & (left > 0.0)
+            run = np.where(chasing, np.minimum(time, left), 0.0)
             found[..., chase.columns] += np.where(chasing, run + self._turning(chase, to_x, to_y), 0.0)
-            chase.met |= chasing & (time <= rest)
+            chase.met |= chasing & (time <= left)
             # Most paths have fewer legs than the longest, and most are met on an early one.
             going = np.isfinite(until) & ~chase.met.all(axis=chase.others)
             if not going.any():
@@ -135,8 +134,9 @@ class _Chase:
         """Return it for some of the futures, bool [K]."""
         if chosen.all():
             return self
-        places = (self.x, self.y, self.cos, self.sin)
-        x, y, cos, sin = (part if part.shape[-1] == 1 else part[..., chosen] for part in places)
+        x, y, cos, sin = (
+            part if part.shape[-1] == 1 else part[..., chosen] for part in (self.x, self.y, self.cos, self.sin)
+        )
         return _Chase(self.futures.only(chosen), self.columns[chosen], x, y, cos, sin, self.met[..., chosen])
 
     def gone(self, ahead: np.ndarray, right: np.ndarray, chasing: np.ndarray, run: np.ndarray) -> _Chase:
