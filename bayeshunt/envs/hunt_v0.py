@@ -21,6 +21,7 @@ from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
 from bayeshunt.envs.choosing import FPS
 from bayeshunt.envs.gym import HuntEnv
+from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.planners.policy import encode
 
 __all__ = ["HuntParallelEnv", "env", "parallel_env", "raw_env"]
@@ -74,6 +75,13 @@ class HuntParallelEnv(ParallelEnv, EzPickle):  # type: ignore[misc]  # PettingZo
         self.state_space = gymnasium.spaces.Box(np.append(-high[:-1], np.float32(0.0)), high, dtype=np.float32)
         self._cycles = 0
         self._hunter_before: Pose | None = None
+
+    @property
+    def pursuit(self) -> Pursuit:
+        """The hunt itself, to look at: :func:`bayeshunt.planner_policy` asks a planner about it."""
+        if self._hunt.pursuit is None:
+            raise InputError("no hunt is running; call reset() first")
+        return self._hunt.pursuit
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Space[Any]:
         """Return the space of what an agent sees: always the same object."""

@@ -24,6 +24,9 @@ from bayeshunt.planners.api import Future, Situation
 
 __all__ = ["Perceiver"]
 
+#: The hunter in its own frame.
+_OWN = Polar(0.0, 0.0, 0.0)
+
 
 class Perceiver:
     """Turns what a hunter sees into situations, and remembers which gait followed each of them.
@@ -46,6 +49,7 @@ class Perceiver:
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
         self._passed = 0.0
+        self._approaches: tuple[Polar, ...] = ()
         self.belief: Belief | None = None
         self.situation: Situation | None = None
         self.previous: str | None = None
@@ -78,7 +82,7 @@ class Perceiver:
             body_length=self.gaits.body_length, time=observation.time, step=self.steps,
             previous_gait=self.previous, time_step=self.gaits.duration,
             transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
-            belief=self.belief, camera=self.camera, map=self.map,
+            belief=self.belief, camera=self.camera, map=self.map, approaches=self._approaches,
         )  # fmt: skip
         return self.situation
 
@@ -132,7 +136,11 @@ class Perceiver:
         gait = self.gaits[self.previous]
         self._passed = observation.time - self.time
         self.belief = self._tracker.update(before, gait, observation, rng=self._belief_rng)
-        self.skipped += not self._learn(self.belief.transitions[len(before.transitions) :])
+        gained = self.belief.transitions[len(before.transitions) :]
+        if gained:
+            assert self.situation is not None
+            self._approaches += (_OWN.seen_from(self.situation.prey),) * len(gained)
+        self.skipped += not self._learn(gained)
 
     def _learn(self, transitions: tuple[Polar, ...]) -> bool:
         """Learn the transitions that the belief has gained, or what they may have been; return whether any was."""

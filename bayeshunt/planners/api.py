@@ -101,6 +101,8 @@ class Situation:
     task: what counts as a catch, and until when.
     belief: where the prey may be, where it is not simply seen. models: of the hunter's body and of its prey.
     map: the walls and obstacles that the hunter knows of. camera: what its camera sees, and where it looks.
+    approaches: of each of ``transitions``, where the hunter was when it began, in the same frame of the prey; empty if
+        that is not known.
 
     Raises InputError, naming the argument, for one of another kind or out of range.
     """
@@ -120,6 +122,7 @@ class Situation:
     models: object | None = None
     map: object | None = None
     camera: object | None = None
+    approaches: tuple[Polar, ...] = ()
 
     def __post_init__(self) -> None:
         if not _in_range(self.prey):

@@ -21,6 +21,7 @@ from bayeshunt.planners.guidance.pursuit import ConstantVelocity, ProportionalNa
 from bayeshunt.planners.info import PlannerInfo, read_marks
 from bayeshunt.planners.interception.belief import BeliefPlanner
 from bayeshunt.planners.interception.intercept import InterceptPlanner
+from bayeshunt.planners.interception.intercept_evader import InterceptEvaderPlanner
 from bayeshunt.planners.interception.intercept_room import InterceptRoomPlanner
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner
 from bayeshunt.planners.paper.planning import PlanningPlanner
@@ -245,7 +246,7 @@ def _hint(setting: str, accepted: tuple[str, ...] | None) -> str:
 _KINDS: tuple[type[Any], ...] = (
     ReactivePlanner, PredictionPlanner, PlanningPlanner, PurePursuit, ProportionalNavigation, ConstantVelocity,
     Omniscient, KinematicLimit, Frugal, Reference, Memory, PlaceMemory, OrderMemory, InterceptPlanner,
-    InterceptRoomPlanner, InterceptWallsPlanner, BeliefPlanner, SearchPlanner, DetourPlanner,
+    InterceptRoomPlanner, InterceptWallsPlanner, InterceptEvaderPlanner, BeliefPlanner, SearchPlanner, DetourPlanner,
 )  # fmt: skip
 for _kind in _KINDS:
     register_planner(_kind.name, _kind, settings=_kind.Settings or (), info=_kind.info)

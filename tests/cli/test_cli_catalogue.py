@@ -111,7 +111,7 @@ def test_robots_prey_and_presets(bayeshunt, folder):
 @pytest.mark.parametrize(
     ("line", "found"),
     [
-        ("bayeshunt hunt --planner intercept_", {"intercept_room", "intercept_walls"}),
+        ("bayeshunt hunt --planner intercept_", {"intercept_evader", "intercept_room", "intercept_walls"}),
         ("bayeshunt planners mem", {"memory", "memory_place", "memory_previous"}),
         ("bayeshunt babble --robot kh", {"khepera", "khepera_oses2010"}),
     ],

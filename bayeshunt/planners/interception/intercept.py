@@ -130,8 +130,22 @@ class InterceptPlanner(TurningPlanner):
 
         now: the prey's pose in the frame in which the hunter started. legs: those it has come; known: what they tell.
         """
+        logs = self._joint(now, legs, known)
+        weights: np.ndarray = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        return weights
+
+    def own_way(self, situation: Situation) -> float:
+        """Return the logarithm of the probability that the prey turned where it did, and nowhere else."""
+        assert situation.pose is not None
+        legs = self.legs(situation)
+        logs = self._joint(situation.pose.compose(situation.prey), legs, self.prior.learn(legs))
+        return float(np.logaddexp.reduce(logs))
+
+    def _joint(self, now: Pose, legs: tuple[Polar, ...], known: TurnModel) -> np.ndarray:
+        """Return log P(room and the prey so far), last of no room; arguments as of :meth:`_posterior`."""
         chosen = self.settings
-        logs = self.before.copy()
+        logs: np.ndarray = self.before.copy()
         poses = earlier_poses(now, legs)
         turned = np.array([abs(leg.heading) >= known.threshold for leg in legs])
         # What a prey that turns by chance was believed to do, from the legs before each.
@@ -140,9 +154,7 @@ class InterceptPlanner(TurningPlanner):
         for pose, turn, hazard in zip(poses, turned.tolist(), hazards.tolist(), strict=True):
             chance = np.append(self._turn_chance(pose, known.speed), hazard)
             logs += np.log(np.maximum(chance if turn else 1.0 - chance, 1e-12))
-        weights: np.ndarray = np.exp(logs - logs.max())
-        weights /= weights.sum()
-        return weights
+        return logs
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
         """Return P(the prey turns within a time-step | room) for each size, the prey starting at ``pose``."""

@@ -17,7 +17,17 @@ from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.homing import Homing
 
-__all__ = ["Charge", "Outlook", "PairPaths", "decide", "gait_paths", "look_ahead", "path_lengths"]
+__all__ = [
+    "Charge",
+    "Outlook",
+    "PairPaths",
+    "chance_within",
+    "decide",
+    "gait_paths",
+    "keep_highest",
+    "look_ahead",
+    "path_lengths",
+]
 
 
 def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
@@ -131,24 +141,26 @@ def look_ahead(
     """
     points = pairs.first.shape[2]
     forward, right = (a.T for a in futures.at(pairs.times))  # [2 P, K]
-    first = _chance(pairs.first, forward[:points], right[:points], homing.reach, spread)
-    second = _chance(pairs.second, forward[points:], right[points:], homing.reach, spread)
-    _keep_highest(first)
+    first = chance_within(pairs.first, forward[:points], right[:points], homing.reach, spread)
+    second = chance_within(pairs.second, forward[points:], right[points:], homing.reach, spread)
+    keep_highest(first)
     np.maximum(second[:, :, 0], first[:, None, -1], out=second[:, :, 0])
-    _keep_highest(second)
+    keep_highest(second)
     interval, end = pairs.times[0], pairs.times[-1]
     during = interval * ((points - first.sum(axis=-2))[:, None] + (points - second.sum(axis=-2)))
     found = Outlook(first, second, during + (1.0 - second[:, :, -1]) * homing.time(pairs.end, futures, end))
     return found if charge is None else charge(found)
 
 
-def _keep_highest(chance: np.ndarray) -> None:
+def keep_highest(chance: np.ndarray) -> None:
     """Replace each of [..., P, K] by the highest so far, along P; faster than ``np.maximum.accumulate``."""
     for point in range(1, chance.shape[-2]):
         np.maximum(chance[..., point, :], chance[..., point - 1, :], out=chance[..., point, :])
 
 
-def _chance(hunter: np.ndarray, forward: np.ndarray, right: np.ndarray, reach: float, spread: float) -> np.ndarray:
+def chance_within(
+    hunter: np.ndarray, forward: np.ndarray, right: np.ndarray, reach: float, spread: float
+) -> np.ndarray:
     """Return the chance of being within reach: hunter [2, ..., P, S] against prey [P, K] gives [..., P, K]."""
     square = hunter[0] - forward
     across = hunter[1] - right
