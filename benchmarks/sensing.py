@@ -11,6 +11,7 @@ import argparse
 import json
 import time
 from collections import Counter
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.perception.trackers.particle_belief import ParticleBelief
 
-__all__ = ["ROWS", "Row", "calibration", "decision_ratio", "expected_counts", "hunts", "row_settings"]
+__all__ = ["MEASURES", "ROWS", "Row", "calibration", "decision_ratio", "expected_counts", "hunts", "row_settings"]
 
 _HEADING = {"camera.heading_noise_deg": 20.0}
 _BAD = {
@@ -175,6 +176,12 @@ def decision_ratio(name: str, runs: int, seed: int) -> dict[str, float]:
     return {**found, "ratio": found["search"] / found["intercept"]}
 
 
+#: Name -> what is measured beside the hunts, of at most 8 of them a bearing, on the first seed.
+MEASURES: dict[str, Callable[[str, int, int], dict[str, float]]] = {
+    "calibration": calibration, "counts": expected_counts, "cost": decision_ratio
+}  # fmt: skip
+
+
 def main() -> None:
     """Print everything, a line at a time."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -183,19 +190,20 @@ def main() -> None:
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
     parser.add_argument("--planners", nargs="+", default=["search"])
     parser.add_argument("--tracker", default="", help="instead of particles: exact (the last sighting), kalman")
-    parser.add_argument("--hunts-only", action="store_true")
+    parser.add_argument("--only", nargs="+", default=["hunts", *MEASURES], choices=["hunts", *MEASURES])
     parser.add_argument("--json", action="store_true", help="a line of JSON for each row")
     options = parser.parse_args()
     for name in options.rows:
         for planner in options.planners:
+            if "hunts" not in options.only:
+                continue
             facts = hunts(name, planner, options.seeds, options.runs, options.tracker if ROWS[name].camera else "")
             print(json.dumps(facts) if options.json else _line(facts), flush=True)
-    cameras = [] if options.hunts_only else [name for name in options.rows if ROWS[name].camera]
-    for name in cameras:
-        for measured in (calibration, expected_counts, decision_ratio):
-            facts = measured(name, min(options.runs, 8), options.seeds[0])
+    for name in (name for name in options.rows if ROWS[name].camera):
+        for measured in (measure for measure in MEASURES if measure in options.only):
+            facts = MEASURES[measured](name, min(options.runs, 8), options.seeds[0])
             shown = {key: value if isinstance(value, int) else round(value, 3) for key, value in facts.items()}
-            print(json.dumps({"row": name, measured.__name__: shown}), flush=True)
+            print(json.dumps({"row": name, measured: shown}), flush=True)
 
 
 def _line(facts: dict[str, Any]) -> str:

@@ -177,7 +177,7 @@ def _tracker(sensing: Any, gaits: GaitRepertoire, planner: Planner) -> Tracker:
     known = known_to(planner)
     context = PerceptionContext(
         time_step=gaits.duration, body_length=gaits.body_length, camera=settings.camera, start=settings.start,
-        motion=known.motion, walls=known.walls,
+        motion=known.motion, walls=known.walls, obstacles=known.obstacles,
     )  # fmt: skip
     return make_tracker(settings.tracker, context, settings.tracker_settings)
 

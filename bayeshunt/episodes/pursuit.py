@@ -82,7 +82,7 @@ class Pursuit:
         sensing = settings.sensing
         context = PerceptionContext(
             self.gaits.duration, self.gaits.body_length, settings.prey.body.diameter, self.trial.start, HUNTER, PREY,
-            sensing.camera, sensing.start, known.motion, known.walls,
+            sensing.camera, sensing.start, known.motion, known.walls, known.obstacles,
         )  # fmt: skip
         self._sensor = make_sensor(sensing.sensor, context, sensing.sensor_settings)
         tracker = make_tracker(sensing.tracker, context, sensing.tracker_settings)

@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from bayeshunt.config.schema.camera import CameraSettings
-from bayeshunt.core.geometry import Pose
+from bayeshunt.core.geometry import FloatArray, Pose
 
 if TYPE_CHECKING:
     from bayeshunt.models.target.turns import TurnModel
 
-__all__ = ["KnownWalls", "PerceptionContext"]
+__all__ = ["KnownObstacles", "KnownWalls", "PerceptionContext"]
 
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
@@ -36,6 +38,22 @@ class KnownWalls(Protocol):
         """Angle between a wall and the prey that has turned away from it [rad]."""
 
 
+class KnownObstacles(Protocol):
+    """What stands in the arena, in the odometry frame: no prey is in it, and none is seen behind it."""
+
+    def inside(self, x: FloatArray, y: FloatArray) -> np.ndarray:
+        """Return whether points [m] lie in an obstacle: bool in the shape of ``x``."""
+
+    def met(self, from_x: FloatArray, from_y: FloatArray, x: FloatArray, y: FloatArray) -> np.ndarray:
+        """Return whether ways from points [m, N] to points [N] lead into an obstacle: bool [N].
+
+        One that starts in an obstacle leads out of it.
+        """
+
+    def hidden(self, from_x: float, from_y: float, x: FloatArray, y: FloatArray) -> np.ndarray:
+        """Return whether an obstacle lies between a point [m] and the points [N]: bool [N]."""
+
+
 @dataclass(frozen=True)
 class PerceptionContext:
     """What perception may know beforehand.
@@ -46,7 +64,7 @@ class PerceptionContext:
     camera: its settings, for a sensor or a tracker that has one; None: the defaults. start: "shown" or "unknown":
     whether a camera is shown the prey once at the start.
     motion: how the prey moves per time-step as far as the hunter can know before it has seen it; None: not known.
-    walls: those that the hunter has learned of; None: none.
+    walls, obstacles: those that the hunter has learned of; None: none.
     """
 
     time_step: float | None = None
@@ -59,6 +77,7 @@ class PerceptionContext:
     start: str = "shown"
     motion: TurnModel | None = None
     walls: KnownWalls | None = None
+    obstacles: KnownObstacles | None = None
 
     @property
     def own_camera(self) -> CameraSettings:

@@ -24,6 +24,7 @@ from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind
 from bayeshunt.models.arena.contacts import Wall, find_contacts, find_walls
 from bayeshunt.models.arena.free_space import FreeSpace
+from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.body.forward import ForwardModel
 
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
@@ -109,6 +110,10 @@ class RoomModel(displays.Displayed):
         bearing = -np.degrees(np.arctan2(self.normals[:, 1], self.normals[:, 0])) + 0.0
         columns = {"bearing_deg": bearing, "offset_m": self.offsets, "length_m": self.lengths, "blocked": self.blocked}
         return pd.DataFrame(columns).rename_axis("Wall")
+
+    def obstacles(self) -> TouchedObstacles | None:
+        """Return what the hunter touched inside the walls, cell by cell; None if it touched nothing there."""
+        return TouchedObstacles.of(self.space, self.normals, self.offsets)
 
     def __repr__(self) -> str:
         return f"<RoomModel: {len(self.offsets)} walls, {self.space!r}>"

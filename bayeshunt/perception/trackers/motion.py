@@ -9,7 +9,7 @@ import numpy as np
 
 from bayeshunt.core.geometry import FloatArray, wrap
 from bayeshunt.models.target.turns import TurnModel
-from bayeshunt.perception.setting import KnownWalls
+from bayeshunt.perception.setting import KnownObstacles, KnownWalls
 from bayeshunt.perception.trackers.cloud import Cloud
 
 __all__ = ["PreyMotion"]
@@ -17,7 +17,9 @@ __all__ = ["PreyMotion"]
 #: Into how many bins of angle turns are counted.
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
-_REBOUND_SPREAD, _MEETING_SPREAD = 0.4, 0.35
+_REBOUND_SPREAD, _MEETING_SPREAD = 0.2, 0.15
+#: How far off its corner it turns [m]: it turns in an arc, a particle on the spot.
+_CORNER_SPREAD = 0.01
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
 #: How many time-steps the first guess at the share of standing still is worth.
@@ -33,7 +35,7 @@ class PreyMotion:
     """What is believed of the prey's motion; a value: :meth:`learn` returns a new one.
 
     prior: turns and speed as the hunter knows them beforehand, per time-step. time_step: seconds.
-    walls: known walls; None: none. still: share of prey that stand, believed beforehand.
+    walls, obstacles: known ones; None: none. still: share of prey that stand, believed beforehand.
     steps, turns: expected numbers of time-steps seen and of those with a turn, by chance and not at a wall.
     turn_counts: of the turns by their angle [36]. still_steps: expected number of time-steps in which it stood.
     speed_sum: metres per second, over the time-steps in which it moved. drift_sum, drift_steps: squared heading changes
@@ -43,6 +45,7 @@ class PreyMotion:
     prior: TurnModel
     time_step: float
     walls: KnownWalls | None = None
+    obstacles: KnownObstacles | None = None
     still: float = 0.05
     steps: float = 0.0
     turns: float = 0.0
@@ -115,6 +118,7 @@ class PreyMotion:
             turned = np.where(turning, drawn, turned)
         run = np.where(moving, cloud.speed * duration, 0.0)
         x, y, theta = self._go(cloud.x, cloud.y, theta, run, rng)
+        x, y, theta = self._turned_away(cloud, x, y, theta, rng)
         changes = rng.random(count) < share / _MODE_STEPS
         still = np.where(changes, self.stands(count, rng), cloud.still)
         speed = cloud.speed * (1.0 + _SPEED_CHANGE * share**0.5 * rng.normal(size=count))
@@ -160,9 +164,23 @@ class PreyMotion:
             hit = np.flatnonzero(run > 0.0)
             if not len(hit):
                 break
-            theta = theta.copy()
+            x, y, theta = x.copy(), y.copy(), theta.copy()
             theta[hit] = self._leave(normals[wall[hit]], theta[hit], rng)
+            x[hit] += rng.normal(0.0, _CORNER_SPREAD, len(hit))
+            y[hit] += rng.normal(0.0, _CORNER_SPREAD, len(hit))
         return x + run * np.cos(theta), y + run * np.sin(theta), theta
+
+    def _turned_away(
+        self, cloud: Cloud, x: FloatArray, y: FloatArray, theta: FloatArray, rng: np.random.Generator
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Those that would be in an obstacle stay before it, and turn away to either side."""
+        if self.obstacles is None:
+            return x, y, theta
+        met = np.flatnonzero(self.obstacles.met(cloud.x, cloud.y, x, y))
+        x, y, theta = x.copy(), y.copy(), theta.copy()
+        x[met], y[met] = cloud.x[met], cloud.y[met]
+        theta[met] += rng.choice((-1.0, 1.0), len(met)) * rng.uniform(0.5 * np.pi, np.pi, len(met))
+        return x, y, theta
 
     @cached_property
     def _half_planes(self) -> tuple[FloatArray, FloatArray]:

@@ -24,8 +24,8 @@ from bayeshunt.perception.trackers.sightings import Eye
 __all__ = ["ParticleTracker"]
 
 #: A prey whose heading was not seen at the start is taken to go away from the hunter, give or take [rad]: the worst
-#: case. Chosen on seeds from 1000; where it goes another way, the first frames say so.
-_AWAY_SPREAD = 0.8
+#: case; with the other probability it goes any way. Chosen on seeds from 1000.
+_AWAY_SPREAD, _ANY_WAY = 0.8, 0.3
 #: A sighting that the particles explain less than this, against a false one, brings new ones.
 _UNEXPLAINED = 0.3
 #: New particles: their share of all, and of the weight.
@@ -49,9 +49,10 @@ class ParticleTracker:
     unknown_range: half the width of the square in which a prey is that was not shown at the start [m].
 
     Between frames the particles move as the prey is known to: at their own speed, turning by chance as often and as
-    much as has been seen (before that as the hunter's own gaits do), along walls that the hunter knows of; some stand.
-    Every frame weighs them by what it shows and by what it does not: where the camera looked and found nothing, there
-    are fewer. A sighting that none of them explains brings new ones. The error of the hunter's odometry is on them.
+    much as has been seen (before that as the hunter's own gaits do), along walls and away from obstacles that the
+    hunter knows of; some stand. Every frame weighs them by what it shows and by what it does not: where the camera
+    looked and found nothing, there are fewer, but not behind a known obstacle. A sighting that none of them explains
+    brings new ones. The error of the hunter's odometry is on them.
     Reference: Gordon, Salmond and Smith, IEE Proceedings F 140 (1993).
     """
 
@@ -66,10 +67,10 @@ class ParticleTracker:
             raise InputError(f"unknown_range must be metres > 0, got {unknown_range!r}")
         self.context, self.unknown_range = context, unknown_range
         self.camera = context.own_camera
-        self.eye = Eye(self.camera, context.target_width)
+        self.eye = Eye(self.camera, context.target_width, context.obstacles)
         step = 1.0 if context.time_step is None else context.time_step
         prior = context.motion or TurnModel(prior_speed=BODIES_PER_SECOND * context.target_width * step)
-        self.motion = PreyMotion(prior, step, context.walls, still)
+        self.motion = PreyMotion(prior, step, context.walls, context.obstacles, still)
 
     def start(self, observation: Observation) -> Belief:
         """Return the belief after the first look: about the sighting, or anywhere the camera has not looked."""
@@ -122,7 +123,7 @@ class ParticleTracker:
         self, detection: Detection, own: Pose, count: int, motion: PreyMotion, rng: np.random.Generator, *,
         first: bool = False, elapsed: float = 0.0,
     ) -> Cloud:  # fmt: skip
-        """Particles about a sighting. ``first``: of a hunt, when the prey is taken to go away from the hunter.
+        """Particles about a sighting. ``first``: of a hunt, when most prey are taken to go away from the hunter.
 
         elapsed: seconds since the time-step began; they are taken to have come straight.
         """
@@ -131,7 +132,8 @@ class ParticleTracker:
         assert seen is not None
         if first and math.isnan(seen.heading):
             away = np.arctan2(pose.y - own.y, pose.x - own.x) + rng.normal(0.0, _AWAY_SPREAD, count)
-            pose = pose._replace(theta=np.asarray(wrap(away)))
+            any_way = rng.random(count) < _ANY_WAY  # these keep the heading that they have
+            pose = pose._replace(theta=np.where(any_way, pose.theta, wrap(away)))
         cloud = Cloud.at(pose, motion.speeds(count, rng), motion.stands(count, rng), sightings=1.0)
         come = np.where(cloud.still, 0.0, cloud.speed * elapsed)
         return replace(cloud, from_x=pose.x - come * np.cos(pose.theta), from_y=pose.y - come * np.sin(pose.theta))

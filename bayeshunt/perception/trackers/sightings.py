@@ -10,6 +10,7 @@ import numpy as np
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.core.messages import Detection, Frame
+from bayeshunt.perception.setting import KnownObstacles
 
 __all__ = ["Eye", "Fit"]
 
@@ -21,6 +22,9 @@ _PLACE_SPREAD = 0.0005
 _SOFT_REACH = 0.1
 #: Standard deviations of a bearing over which the edge of the field of view is soft.
 _SOFT_EDGE = 2.0
+#: A map of cells is coarse: where it says that a prey is hidden, it is found all the same so often, beside one in the
+#: open; and where it says that there is an obstacle, a prey is so much less probable, frame by frame.
+_FOUND_HIDDEN, _INSIDE = 0.1, 0.1
 
 
 class Fit(NamedTuple):
@@ -35,10 +39,11 @@ class Fit(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """What a tracker knows of the camera. width: of the prey [m]."""
+    """What a tracker knows of the camera. width: of the prey [m]. obstacles: what stands in the way; None: nothing."""
 
     camera: CameraSettings
     width: float
+    obstacles: KnownObstacles | None = None
 
     def found(self, seen: Polar[FloatArray]) -> FloatArray:
         """Return the probability that a prey is found in a frame, [N]; seen: from the hunter."""
@@ -53,11 +58,14 @@ class Eye(NamedTuple):
     def fit(self, frame: Frame, x: FloatArray, y: FloatArray, theta: FloatArray) -> Fit:
         """Return how a frame fits prey at poses in the odometry frame [N]."""
         seen = frame.pose.relative(Pose(x, y, theta))
-        chance = self.found(seen)
+        chance, there = self.found(seen), 1.0
+        if self.obstacles is not None:
+            chance = np.where(self.obstacles.hidden(frame.pose.x, frame.pose.y, x, y), _FOUND_HIDDEN * chance, chance)
+            there = np.where(self.obstacles.inside(x, y), _INSIDE, 1.0)
         explained = np.zeros((len(frame.detections), len(x)))
         for number, detection in enumerate(frame.detections):
             explained[number] = chance * self._ratio(self.measured(detection, frame.pose), seen)
-        return Fit(np.maximum(1.0 - chance + explained.sum(axis=0), 1e-12), explained)
+        return Fit(there * np.maximum(1.0 - chance + explained.sum(axis=0), 1e-12), there * explained)
 
     def measured(self, detection: Detection, own: Pose) -> Detection:
         """Return a detection as it was seen, with the camera's standard deviations where it tells none."""

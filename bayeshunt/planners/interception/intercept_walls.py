@@ -9,6 +9,7 @@ from typing import Any
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.at_walls import AtWalls
@@ -115,6 +116,10 @@ class InterceptWallsPlanner(TurningPlanner):
     def prey_walls(self) -> Walls:
         """Return the walls as a prey turns away from them that has not been seen at one."""
         return self._kept(self.habits)
+
+    def prey_obstacles(self) -> TouchedObstacles | None:
+        """Return what the hunter has touched inside the room."""
+        return self.room.obstacles()
 
     def at_walls(self, situation: Situation) -> AtWalls:
         """Return what the prey has done at walls, and away from them, in this hunt; its ``table()`` opens it."""

@@ -11,6 +11,7 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.core.task import CATCH_BODIES
+from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
 from bayeshunt.planners.api import Plan, Situation
@@ -111,6 +112,10 @@ class TurningPlanner(PairPlanner):
 
     def prey_walls(self) -> Walls | None:
         """Return the walls that the prey's centre is believed not to leave, in the frame of the start; None: none."""
+        return None
+
+    def prey_obstacles(self) -> TouchedObstacles | None:
+        """Return what is known to stand in the arena, in the frame of the start; None: nothing."""
         return None
 
     def turning(self, situation: Situation, known: TurnModel | None = None) -> Futures:

@@ -11,6 +11,7 @@ import numpy as np
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import FloatArray, Pose
 from bayeshunt.core.protocols import Belief, MovingBelief
+from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel
@@ -103,6 +104,10 @@ class SearchPlanner(TurningPlanner):
     def prey_walls(self) -> Walls:
         """Return the walls where the prey turns away."""
         return self.walls
+
+    def prey_obstacles(self) -> TouchedObstacles | None:
+        """Return what the hunter has touched inside the room."""
+        return self.room.obstacles()
 
     def sampled(self, situation: Situation, rng: np.random.Generator) -> Futures:
         """Return equally weighted futures, drawn from the belief; without one, of the pose that is told."""
