@@ -58,7 +58,7 @@ class Eye(NamedTuple):
     def fit(self, frame: Frame, x: FloatArray, y: FloatArray, theta: FloatArray) -> Fit:
         """Return how a frame fits prey at poses in the odometry frame [N]."""
         seen = frame.pose.relative(Pose(x, y, theta))
-        chance, there = self.found(seen), 1.0
+        chance, there = self.found(seen), np.ones(len(x))
         if self.obstacles is not None:
             chance = np.where(self.obstacles.hidden(frame.pose.x, frame.pose.y, x, y), _FOUND_HIDDEN * chance, chance)
             there = np.where(self.obstacles.inside(x, y), _INSIDE, 1.0)

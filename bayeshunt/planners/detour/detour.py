@@ -43,8 +43,8 @@ class DetourPlanner(InterceptWallsPlanner):
     The map is the table of free space (:class:`~bayeshunt.models.arena.free_space.FreeSpace`) that the hunter counts
     while it babbles alone in the arena, as it learns the walls: an evaluation and ``bayeshunt hunt`` do so first.
 
-    Straight: if the gaits of the interception lead over free cells, and so does the straight line from their end to
-    where the prey then is, it is that interception.
+    Straight: if the gaits of the interception lead over free cells and through no obstacle, and so does the straight
+    line from their end to where the prey then is, it is that interception.
 
     Round: else every pair of gaits is followed along its part-way points. ``P(not stopped)`` is the least P(free) so
     far. Beyond the pair the hunter takes the geodesic, the shortest way over the table with metres divided by P(free),
@@ -64,6 +64,7 @@ class DetourPlanner(InterceptWallsPlanner):
         chosen = DetourSettings(**given) if settings is None else settings
         super().__init__(model, replace(chosen, room=RoomModel.of(chosen.room)))
         self.ways = None if self.room.space is None else WayFinder(self.room.space)
+        self.obstacles = self.room.obstacles()
 
     def futures(self, situation: Situation) -> Futures:
         """Return the prey's paths: among the walls, if it knows any."""
@@ -92,8 +93,11 @@ class DetourPlanner(InterceptWallsPlanner):
         gaps = np.hypot(path[0] - prey.forward[1:], path[1] - prey.right[1:])
         caught = gaps <= reach
         until = int(caught.argmax()) if caught.any() else len(gaps)
-        if until and (space.at(*placed(pose, *path[:, :until])) >= self.settings.free).mean() < self.settings.known:
+        x, y = placed(pose, *path[:, :until])
+        if until and (space.at(x, y) >= self.settings.free).mean() < self.settings.known:
             return False
+        if self.obstacles is not None and self.obstacles.inside(x, y).any():
+            return False  # a thin one is few of the points
         if until < len(gaps):
             return True
         share = np.arange(0.0, 1.0 - reach / gaps[-1], 0.5 * space.cell / gaps[-1])
