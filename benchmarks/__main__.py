@@ -21,6 +21,7 @@ BENCHMARKS = {
     "inference": "answers of the inverse model and fitting, against pgmpy and pyAgrum",
     "planning": "search orders, and a decision of every planner against the time-step",
     "physics": "a physics step of a hunt, against bare Box2D and LunarLander",
+    "envs": "a gait through the environment, against the bare world and LunarLander; what imports cost",
     "compiled": "what numba would save, and what it would cost",
     "evaluation": "the paper's five rows, with one worker and two",
 }

@@ -86,7 +86,7 @@ def _tuned(kind: str, sizes: Sequence[int], seeds: Sequence[int], arenas: Sequen
 
 def _defaults(reward: str) -> list[Job]:
     """As the library comes."""
-    return [Job(kind, arena, 100_000, 0, reward) for arena in _BOTH for kind in ("DQN", "PPO")]
+    return [Job(kind, arena, 100_000, 0, reward) for kind in ("DQN", "PPO") for arena in _BOTH]
 
 
 def _changed() -> list[Job]:
@@ -95,7 +95,7 @@ def _changed() -> list[Job]:
     for world in list(WORLDS)[1:]:
         for arena in _BOTH if "room" not in world else ("walled",):
             found += [Job(name, arena, 2000, 0, world=world) for name in _OURS[1:]]
-            found.append(Job("PPO", arena, LONGEST[arena], 0, "shaped", True, world))
+            found.append(Job("PPO", arena, 300_000, 0, "shaped", True, world))
     return found
 
 
@@ -104,7 +104,7 @@ def _elsewhere() -> list[Job]:
     found = []
     for world in ELSEWHERE:
         found += [Job(name, "walled", 2000, 0, world=world, runs=15) for name in _OURS[:2]]
-        found.append(Job("DQN", "walled", 30_000, 0, "shaped", True, world, runs=15))
+        found.append(Job("DQN", "walled", 10_000, 0, "shaped", True, world, runs=15))
     return found
 
 
@@ -114,10 +114,10 @@ def _jobs() -> list[Job]:
     return [
         *(Job(name, arena, n, 0) for name in _OURS for arena in _BOTH for n in BABBLED),
         *_tuned("PPO", cheap, (0,)), *_tuned("DQN", cheap[:3], (0,)), *_tuned("PPO", (300_000,), (0,)),
-        *_tuned("PPO", (LONGEST["walled"],), (0,), ("walled",)), *_tuned("DQN", (30_000,), (0,)),
-        *_defaults("shaped"), *_tuned("PPO", (LONGEST["open"],), (0,), ("open",)),
-        *(Job(name, arena, 2000, 0, runs=100) for name in _OURS for arena in _BOTH), *_changed(),
-        *_defaults("time"), *_tuned("PPO", cheap, (1, 2)), *_tuned("DQN", cheap[:3], (1, 2)), *_elsewhere(),
+        *_defaults("shaped"), *_changed(), *_defaults("time"), *_tuned("PPO", cheap[4:], (1, 2)),
+        *_tuned("DQN", cheap[3:4], (0,)), *(Job(name, arena, 2000, 0, runs=100) for name in _OURS for arena in _BOTH),
+        *_elsewhere(), *_tuned("DQN", cheap[:3], (1, 2)), *_tuned("PPO", cheap[:4], (1, 2)),
+        *_tuned("PPO", (LONGEST["walled"],), (0,), ("walled",)), *_tuned("PPO", (LONGEST["open"],), (0,), ("open",)),
         *(Job(name, arena, n, seed) for name in _OURS[1:] for seed in (1, 2) for arena in _BOTH for n in BABBLED),
         *_tuned("DQN", (100_000,), (0,), ("walled",)),
     ]  # fmt: skip
