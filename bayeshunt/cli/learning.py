@@ -97,6 +97,10 @@ def fit(
         str | None,
         typer.Option(help="unicycle: fit the commands' own motion, and tables of what it misses; rows in memory."),
     ] = None,
+    effects: Annotated[
+        str,
+        typer.Option(help="Nodes beside the gait: Distance,Angle,Heading and, as a fourth, Energy; rows in memory."),
+    ] = "Distance,Angle,Heading",
     auto_bins: Annotated[
         bool, typer.Option("--auto-bins", help="Bins of the highest held-out density, instead of these three.")
     ] = False,
@@ -122,7 +126,7 @@ def fit(
     bayeshunt fit log.csv --time-step 1 --gaits 25 --out model.json
     """
     from bayeshunt.config.loading import load_robot, recorded_gaits
-    from bayeshunt.core.bins import EffectAxes
+    from bayeshunt.core.bins import EFFECTS, EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.counting.streaming import count_tables, rows_of
     from bayeshunt.models.tables.structures import Structure
@@ -140,9 +144,10 @@ def fit(
     edges = Structure.read(structure) if "->" in structure else structure
     how: dict[str, Any] = {"gait_prior": gait_prior, "structure": edges, "backoff": backoff}
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        if residual_of is not None or auto_bins:  # the rows choose the motion and the bins first
+        nodes = [name.strip() for name in effects.split(",") if name.strip()]
+        if residual_of is not None or auto_bins or nodes != [*EFFECTS]:  # the rows choose the motion and the bins first
             frame, provenance = rows_of(tables, repertoire, advance)
-            how |= {"axes": "auto" if auto_bins else axes, "residual_of": residual_of}
+            how |= {"axes": "auto" if auto_bins else axes, "residual_of": residual_of, "effects": nodes}
             model = ForwardModel.over(ForwardModel.fit(frame, repertoire, prior, **how).source, provenance)
         else:
             seen, provenance = count_tables(tables, repertoire, axes=axes, structure=edges, progress=advance)
@@ -153,11 +158,11 @@ def fit(
         model.to_xmlbif(xmlbif)
     facts = {
         "out": str(out), "rows": counts.total, "prior": model.prior, "log_likelihood": model.log_likelihood(counts),
-        "bins": {axis.name: axis.bins for axis in model.axes},
+        "bins": {axis.name: axis.bins for axis in model.axes.all},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
         "residual_of": residual_of,
     }  # fmt: skip
-    bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
+    bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes.all)
     counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")
     following = f"\nnext: bayeshunt query {shlex.quote(str(out))} {_some_target(model)}" if counts.total else ""
     beside = "" if residual_of is None else f"residuals of the {residual_of}, "
@@ -194,6 +199,9 @@ def query(
     distance: Annotated[float, typer.Option(help="Distance of the target [m].")],
     angle: Annotated[float, typer.Option(help="Bearing of the target [rad, clockwise].")],
     heading: Annotated[float | None, typer.Option(help="Heading wanted there [rad, clockwise].")] = None,
+    energy: Annotated[
+        float | None, typer.Option(help="Energy that the step is to cost [J], for a model with the node Energy.")
+    ] = None,
     previous_gait: Annotated[
         str | None, typer.Option(help="Gait executed just before, for a model of structure previous_gait.")
     ] = None,
@@ -201,7 +209,7 @@ def query(
     explain: Annotated[bool, typer.Option("--explain", help="Say what each variable speaks for or against.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Ask the inverse model which gait reaches a target: P(Gait | Distance, Angle [, Heading]).
+    """Ask the inverse model which gait reaches a target: P(Gait | Distance, Angle [, Heading] [, Energy]).
 
     Example:  bayeshunt query model.json --distance 0.10 --angle 0.5
     """
@@ -216,7 +224,9 @@ def query(
     forward = open_model(model)
     if previous_gait is not None and not depends_on_previous(forward.structure):
         raise InputError(f"{model}: what a gait does depends on no gait before; fit with --structure previous_gait")
-    answer = InverseModel(forward).after(previous_gait).posterior(distance, angle, heading, snap=not no_snap)
+    answer = (
+        InverseModel(forward).after(previous_gait).posterior(distance, angle, heading, energy=energy, snap=not no_snap)
+    )
     if as_json:
         facts = {
             "probabilities": {str(k): float(v) for k, v in answer.probabilities.items()}, "best": answer.best,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from numbers import Integral
@@ -21,18 +21,20 @@ from bayeshunt.core.checks import check_kind, check_number, check_numbers, check
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
 
-__all__ = ["EFFECTS", "Axis", "EffectAxes"]
+__all__ = ["EFFECTS", "ENERGY", "Axis", "EffectAxes"]
 
 #: The three effect variables of the paper's network, in the order of every table and array.
 EFFECTS = ("Distance", "Angle", "Heading")
+#: What a gait costs [J]: a fourth effect, of models that were asked for it.
+ENERGY = "Energy"
 
 
 @dataclass(frozen=True)
 class Axis:
     """One discretised variable.
 
-    name: "Distance", "Angle" or "Heading".
-    width: bin width, metres (linear) or radians (circular).
+    name: "Distance", "Angle", "Heading" or "Energy".
+    width: bin width, metres (Energy: joules) or radians (circular).
     bins: number of bins, >= 1.
     circular: True for angles: the bins tile (-pi, pi] and one of them is centred on 0.
     """
@@ -51,7 +53,7 @@ class Axis:
 
     @classmethod
     def linear(cls, name: str, width: float, bins: int = 1) -> Axis:
-        """Bins of ``width`` [m] from 0 upwards."""
+        """Bins of ``width`` [m; Energy: J] from 0 upwards."""
         return cls(name, width, bins)
 
     @classmethod
@@ -80,12 +82,12 @@ class Axis:
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
-        """One unique name per bin: "0-5.7 mm" for distances, "-10 deg" (the centre) for angles."""
+        """One unique name per bin: "0-5.7 mm" for distances, "0-0.2 J" for energies, "-10 deg" (the centre)."""
         if self.circular:
             texts = [_trim(math.degrees(c)) for c in self.centres]
             return tuple(f"{'180' if text == '-180' else text} deg" for text in texts)  # the rounding of a centre on pi
-        millimetres = self.edges * 1000.0
-        return tuple(f"{_trim(low)}-{_trim(high)} mm" for low, high in pairwise(millimetres))
+        shown, unit = (self.edges, "J") if self.name == ENERGY else (self.edges * 1000.0, "mm")
+        return tuple(f"{_trim(low)}-{_trim(high)} {unit}" for low, high in pairwise(shown))
 
     def index(self, values: Any) -> Any:
         """Return the bin index of each value; for a linear axis it may lie beyond ``bins - 1``.
@@ -127,12 +129,14 @@ class EffectAxes:
     """The axes of Distance, Angle and Heading, in that order.
 
     body_length: metres, where the distance bins were made for a body, else None; it distinguishes no axes.
+    energy: bins of what a gait costs, where that is a node of the network too (:attr:`all` has it); None: it is none.
     """
 
     distance: Axis
     angle: Axis
     heading: Axis
     body_length: float | None = field(default=None, compare=False, repr=False, kw_only=True)
+    energy: Axis | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -164,20 +168,30 @@ class EffectAxes:
         return iter((self.distance, self.angle, self.heading))
 
     def __getitem__(self, name: str) -> Axis:
-        for axis in self:
+        for axis in self.all:
             if axis.name == name:
                 return axis
-        raise InputError(f"unknown variable {name!r}: expected one of {', '.join(EFFECTS)}")
+        raise InputError(f"unknown variable {name!r}: expected one of {', '.join(axis.name for axis in self.all)}")
+
+    @property
+    def all(self) -> tuple[Axis, ...]:
+        """The axes of all effects: the three and, where it is a node, Energy."""
+        return (*self, *(() if self.energy is None else (self.energy,)))
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Number of bins of each axis."""
         return self.distance.bins, self.angle.bins, self.heading.bins
 
-    def extended(self, distance_bins: int) -> EffectAxes:
-        """Return these axes with at least ``distance_bins`` distance bins."""
+    def extended(self, distance_bins: int, energy_bins: int = 1) -> EffectAxes:
+        """Return these axes with at least ``distance_bins`` distance bins, and so many of energy if it is a node."""
         check_whole(distance_bins, "distance_bins", 1)
-        return EffectAxes(self.distance.extended(distance_bins), self.angle, self.heading, body_length=self.body_length)
+        energy = None if self.energy is None else self.energy.extended(energy_bins)
+        return replace(self, distance=self.distance.extended(distance_bins), energy=energy)
+
+    def covering(self, other: EffectAxes) -> EffectAxes:
+        """Return these axes with at least as many bins as ``other``."""
+        return self.extended(other.distance.bins, 1 if other.energy is None else other.energy.bins)
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:

@@ -103,7 +103,7 @@ def trace_answer(answer: Posterior, gait: Gait | str | None = None) -> Trace:
 def _factors(answer: Posterior) -> pd.DataFrame:
     """Prior, P(variable | gait and the variables before it), their product and its share, by gait."""
     cell = answer.cell
-    terms = log_terms(answer.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin))
+    terms = log_terms(answer.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin), cell.energy_bin)
     kept = {name: np.exp(logs) for name, logs in terms.items() if name == "prior" or name in cell.evidence}
     product = np.prod(list(kept.values()), axis=0)
     index = pd.Index(answer.model.gaits.names, name="Gait")

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 
@@ -60,7 +60,7 @@ class CellTrace(displays.Displayed):
 
 def trace_cell(model: ForwardModel, cell: Any) -> CellTrace:
     """Open a cell (variable, state or SI number, gait) of a model, or ("Gait", gait). Raises InputError."""
-    if not isinstance(cell, tuple) or len(cell) not in (2, 3) or cell[0] not in (*EFFECTS, "Gait"):
+    if not isinstance(cell, tuple) or len(cell) not in (2, 3) or cell[0] not in (*EFFECTS, ENERGY, "Gait"):
         raise InputError(f"cell: expected (variable, state, gait) or ('Gait', gait), got {cell!r}")
     variable, state = cell[:2]
     gait = model.gaits.names[model.gaits.index(cell[-1])]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 
@@ -25,15 +25,18 @@ RIVAL = "rival"
 PARTS = ("prior", *EFFECTS)
 
 
-def explain(model: ForwardModel, bins: Bins, values: np.ndarray, reference: str = RIVAL) -> pd.DataFrame:
+def explain(
+    model: ForwardModel, bins: Bins, values: np.ndarray, reference: str = RIVAL, energy: int | None = None
+) -> pd.DataFrame:
     """Return the parts of each gait's log-odds, one row per gait; see ``Posterior.explain``.
 
-    bins: the evidence. values: P(Gait | evidence) [G] under the model.
+    bins: the evidence; energy: its bin of Energy, None where that was not asked. values: P(Gait | evidence) [G] under
+    the model.
     """
     gaits = model.gaits.names
     if len(gaits) < 2:
         raise InputError("there is only one gait, so there is nothing to compare it with")
-    terms = log_terms(model, bins)
+    terms = log_terms(model, bins, energy)
     rivals = _rivals(values, terms) if reference == RIVAL else np.full(len(gaits), model.gaits.index(reference))
     if reference != RIVAL and not values[rivals[0]] > 0:
         raise InputError(
@@ -48,8 +51,18 @@ def explain(model: ForwardModel, bins: Bins, values: np.ndarray, reference: str 
     return pd.DataFrame(columns, index=index)
 
 
-def log_terms(model: ForwardModel, bins: Bins) -> dict[str, np.ndarray]:
+def log_terms(model: ForwardModel, bins: Bins, energy: int | None = None) -> dict[str, np.ndarray]:
     """Return log P(g) and log P(v | g) [G] of each part, natural logarithm; 0 for what was not asked."""
+    terms = _pose_terms(model, bins)
+    if model.structure.has_energy:
+        before = model.evidence(*bins)
+        after = before if energy is None else model.evidence(*bins, energy)
+        terms[ENERGY] = np.where(before > 0, _log(after) - _log(np.where(before > 0, before, 1.0)), 0.0)
+    return terms
+
+
+def _pose_terms(model: ForwardModel, bins: Bins) -> dict[str, np.ndarray]:
+    """The terms of place and heading."""
     if not model.structure.is_naive:
         return _chain_terms(model, bins)
     p = model.probabilities

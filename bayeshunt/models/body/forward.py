@@ -20,7 +20,7 @@ import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.arguments import checked
-from bayeshunt.core.bins import EffectAxes
+from bayeshunt.core.bins import ENERGY, EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -29,7 +29,7 @@ from bayeshunt.data import babbling_table
 from bayeshunt.data.plausibility import warn_implausible
 from bayeshunt.models.body.residual_fit import residual_tables
 from bayeshunt.models.body.storing import WritableModel
-from bayeshunt.models.counting.auto_axes import chosen_axes
+from bayeshunt.models.counting.auto_axes import chosen_axes, with_energy
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
@@ -112,6 +112,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         structure: str | Structure = "naive",
         backoff: float | None = None,
         residual_of: str | Residuals | None = None,
+        effects: Iterable[str] | None = None,
     ) -> ForwardModel:
         """Learn the tables from a babbling table; pgmpy fits them, the counts confirm them.
 
@@ -130,15 +131,22 @@ class ForwardModel(displays.Displayed, WritableModel):
         residual_of: "unicycle": the motion that a gait's command asks for is fitted, and the tables count what it
             misses, on bins of their own that the rows choose; ``axes`` are then those of :attr:`binned`. The gaits
             need commands, or the table columns command_0, ...; later updates keep the motion. None: the poses.
+        effects: ["Distance", "Angle", "Heading", "Energy"], in any order, makes the column energy [J] a node that
+            depends on what causes the others, in bins of ``axes.energy`` or of the highest held-out density.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
         gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
         needs a prior.
         """
         check_hunting(structure)
+        if effects is None and isinstance(structure, Structure) and structure.has_energy:
+            effects = structure.effects
         record = frame.attrs.get(babbling_table.PROVENANCE_KEY) if isinstance(frame, pd.DataFrame) else None
         repertoire, grid = measured(gaits, chosen_axes(axes, frame, gaits), record)
+        grid = with_energy(grid, effects, frame, repertoire)
         if residual_of is not None:
+            if grid.energy is not None:
+                raise InputError("effects: tables of residuals have no Energy; leave it or residual_of out")
             found = residual_tables(frame, repertoire, grid, residual_of)
             inner = cls.fit(found.table, found.residuals.gaits, prior, axes=found.residuals.axes, gait_prior=gait_prior,
                             structure=structure, backoff=backoff)  # fmt: skip
@@ -179,12 +187,16 @@ class ForwardModel(displays.Displayed, WritableModel):
         check_every_gait_seen(tables)
         if isinstance(structure, str):
             structure = structures.find_structure(structure, tables.cells)
-        tables = replace(tables, structure=structure)
+        tables = replace(tables, structure=structure.with_energy() if tables.axes.energy is not None else structure)
         # With back-off pgmpy confirms the tables leant on. Huge ones are refused before it would allocate them.
         checked = tables.pooled if isinstance(tables, ContextTables) and tables.backoff is not None else tables
         learned = {**tables.effects.local, **shares(tables)} if checked is tables else dict(checked.effects.local)
         fitted = network.fit_cells(checked.cells, checked.states, checked.prior, checked.structure)
         network.check_equal(fitted, learned)
+        if checked.energy is not None:
+            causes = checked.structure.parents(ENERGY)
+            fitted = network.fit_energy(checked.counts_of(ENERGY), causes, checked.states, checked.prior)
+            network.check_equal(fitted, {ENERGY: checked.energy})
         return ForwardModel.over(tables, self.provenance, self.data)
 
     @classmethod
@@ -347,15 +359,17 @@ class ForwardModel(displays.Displayed, WritableModel):
         counted = type(self.source.counted).of(self.source.recast(rows), self.gaits, self.axes)
         return self.source.log_likelihood(counted)
 
-    def evidence(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
-        """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle and Heading."""
+    def evidence(
+        self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None, energy_bins: Any = None
+    ) -> np.ndarray:
+        """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them, of Distance, Angle, Heading, Energy."""
         try:
-            return self.source.effects.evidence(self._tables["Gait"], distance_bins, angle_bins, heading_bins)
+            return self.source.evidence(distance_bins, angle_bins, heading_bins, energy_bins)
         except (IndexError, TypeError):
             raise InputError("distance_bins, angle_bins, heading_bins: expected bin numbers or arrays") from None
 
     def __repr__(self) -> str:
-        bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes)
+        bins = ", ".join(f"{axis.name} {axis.bins}" for axis in self.axes.all)
         after = "".join(f" after {state!r}" for state in self.known.values())
         if not self.has_counts:
             return f"<ForwardModel{after}: imported, {len(self.gaits)} gaits, bins {bins}>"

@@ -15,6 +15,7 @@ import pandas as pd
 
 from bayeshunt.core import displays
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.checks import FULL_TURN, check_bearings, check_kind, check_number, check_numbers, check_radians
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
 from bayeshunt.core.gaits import Gait
@@ -62,7 +63,7 @@ class InverseModel(displays.Displayed):
         self._rows = dict(zip(map(tuple, self._cells.tolist()), range(len(self._cells)), strict=True))
         self._finder = CellFinder(distance, angle, self._cells)
         self._nearest = self._finder.nearest
-        self._known: dict[tuple[int, int, int | None], CellPosterior | None] = {}
+        self._known: dict[tuple[int, int, int | None, int | None], CellPosterior | None] = {}
         self._heading_counts: dict[tuple[int, int, int], int] | None = None
         self._depends = depends_on_previous(model.structure) or PREVIOUS in model.known
         self._after: dict[str, InverseModel] = {}
@@ -84,13 +85,17 @@ class InverseModel(displays.Displayed):
             self._after[name] = InverseModel(part)
         return self._after[name]
 
-    def posterior(self, distance: float, angle: float, heading: float | None = None, *, snap: bool = True) -> Posterior:
+    def posterior(
+        self, distance: float, angle: float, heading: float | None = None, *, energy: float | None = None,
+        snap: bool = True,
+    ) -> Posterior:  # fmt: skip
         """Return P(Gait | evidence) for a target in the robot's frame.
 
         distance: metres, >= 0. angle, heading: radians clockwise, -4 pi to 4 pi; they are wrapped.
         snap: use the target's own (Distance, Angle) cell if babbling reached it, else the learned
             cell whose centre is nearest in metres (ties: lowest index). If a heading is given and
-            has probability 0 there, the nearest heading bin that has not.
+            has probability 0 there, the nearest heading bin that has not; likewise energy.
+        energy: joules that the step is to cost, >= 0; of models with Energy as a node.
 
         Raises InputError for a number out of range, and with ``snap=False``
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
@@ -111,10 +116,10 @@ class InverseModel(displays.Displayed):
         if row is None:
             row = self._nearest(d, a, d_bins, a_bins)
         source = self._sources[row] or self._source(row)
-        if heading is None and snap is True:
-            return _make(Posterior, (source, d, a, None, snapped))
+        if heading is None and energy is None and snap is True:
+            return _make(Posterior, (source, d, a, None, snapped, None))
         check_kind(snap, "snap", bool, "True or False")
-        return self._careful(Posterior(source, d, a, heading, snapped), snap)
+        return self._careful(Posterior(source, d, a, heading, snapped, energy), snap)
 
     def posterior_many(self, distances: Any, angles: Any) -> np.ndarray:
         """Return float64 [N, G]: the values of :meth:`posterior` (snapping) for N targets at once.
@@ -183,9 +188,11 @@ class InverseModel(displays.Displayed):
 
     # --- inside -------------------------------------------------------------------------------
 
-    def _joint(self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None) -> np.ndarray:
+    def _joint(
+        self, distance_bins: Any, angle_bins: Any, heading_bins: Any = None, energy_bins: Any = None
+    ) -> np.ndarray:
         """P(Gait, evidence) [..., G] of the given bins."""
-        return self.model.evidence(distance_bins, angle_bins, heading_bins)
+        return self.model.evidence(distance_bins, angle_bins, heading_bins, energy_bins)
 
     def _compile(self) -> tuple[np.ndarray, np.ndarray]:
         """Posterior [M, G] and P(evidence) [M] of every learned cell."""
@@ -203,10 +210,13 @@ class InverseModel(displays.Displayed):
         self._sources[row] = source
         return source
 
-    def _cell(self, d_bin: int, a_bin: int, h_bin: int | None) -> Cell:
+    def _cell(self, d_bin: int, a_bin: int, h_bin: int | None, e_bin: int | None = None) -> Cell:
         distance, angle, heading = self.model.axes
         place = (distance.centres[d_bin].item(), angle.centres[a_bin].item())
         cell = Cell(d_bin, a_bin, *place, distance.labels[d_bin], angle.labels[a_bin])
+        if e_bin is not None:
+            axis = self.model.axes[ENERGY]
+            cell = cell._replace(energy_bin=e_bin, energy=axis.centres[e_bin].item(), energy_label=axis.labels[e_bin])
         if h_bin is None:
             return cell
         return cell._replace(
@@ -215,7 +225,8 @@ class InverseModel(displays.Displayed):
 
     def _careful(self, found: Posterior, snap: bool) -> Posterior:
         """The answer when a heading is given or snapping is forbidden; ``found`` has the cell used."""
-        source, d, a, heading, snapped = found
+        source, d, a, heading, snapped, energy = found
+        e_bin = None if energy is None else self._energy_bin(energy)
         h = None if heading is None else check_number(heading, "target heading", "a finite angle [rad]")
         if h is not None:
             check_radians(h, "target heading", _TURNS)
@@ -225,30 +236,53 @@ class InverseModel(displays.Displayed):
             place = (axes.distance.index(d), axes.angle.index(a))
         else:
             place = (source.cell.distance_bin, source.cell.angle_bin)
-        answer = self._evidence_source(*place, h_bin)
-        if answer is None and snap and h is not None:
-            answer, snapped = self._evidence_source(*place, self._nearest_heading(source.cell, h)), True
+        answer = self._evidence_source(*place, h_bin, e_bin)
+        if answer is None and snap and h is not None and self._evidence_source(*place, h_bin) is None:
+            h_bin, snapped = self._nearest_heading(source.cell, h), True
+            answer = self._evidence_source(*place, h_bin, e_bin)
+        if answer is None and snap and energy is not None:
+            e_bin, snapped = self._nearest_energy(place, h_bin, energy), True
+            answer = self._evidence_source(*place, h_bin, e_bin)
         if answer is None:
-            raise ImpossibleEvidenceError(_impossible(d, a, h))
-        return Posterior(answer, d, a, h, snap and snapped)
+            raise ImpossibleEvidenceError(_impossible(d, a, h, energy))
+        return Posterior(answer, d, a, h, snap and snapped, energy)
 
-    def _evidence_source(self, d_bin: int, a_bin: int, h_bin: int | None) -> CellPosterior | None:
+    def _energy_bin(self, energy: float) -> int:
+        """The bin of an energy, perhaps beyond the last; InputError where Energy is no node, or for no joules >= 0."""
+        axis = self.model.axes.energy
+        if axis is None:
+            raise InputError("energy: this model has no node Energy; fit it with effects=[..., 'Energy']")
+        joules = check_number(energy, "target energy", "joules >= 0")
+        if joules < 0:
+            raise InputError(f"target energy: expected joules >= 0, got {joules:g}")
+        return int(axis.index(joules))
+
+    def _nearest_energy(self, place: tuple[int, int], h_bin: int | None, energy: float) -> int:
+        """The bin of energy nearest to ``energy`` of those possible there (ties: lowest)."""
+        axis = self.model.axes[ENERGY]
+        possible = np.array([self._joint(*place, h_bin, e).sum() > 0 for e in range(axis.bins)])
+        gaps = np.where(possible, np.abs(axis.centres - energy), np.inf)
+        return int(np.flatnonzero(gaps <= gaps.min() + _TIE)[0])
+
+    def _evidence_source(
+        self, d_bin: int, a_bin: int, h_bin: int | None, e_bin: int | None = None
+    ) -> CellPosterior | None:
         """The posterior given exactly these bins, or None where P(evidence) = 0. Remembered."""
-        if d_bin >= self._distance_bins:
+        if d_bin >= self._distance_bins or (e_bin is not None and e_bin >= self.model.axes[ENERGY].bins):
             return None
-        row = None if h_bin is not None else self._rows.get((d_bin, a_bin))
+        row = None if h_bin is not None or e_bin is not None else self._rows.get((d_bin, a_bin))
         if row is not None:
             return self._sources[row] or self._source(row)
-        key = (d_bin, a_bin, h_bin)
+        key = (d_bin, a_bin, h_bin, e_bin)
         if key not in self._known:
-            joint = self._joint(d_bin, a_bin, h_bin)
+            joint = self._joint(d_bin, a_bin, h_bin, e_bin)
             total = joint.sum()
             self._known[key] = None
             if total > 0:
                 values = joint / total
                 values.setflags(write=False)
-                cell = self._cell(d_bin, a_bin, h_bin)
-                self._known[key] = CellPosterior(cell, self.model, values, float(total), self._support(key))
+                cell = self._cell(*key)
+                self._known[key] = CellPosterior(cell, self.model, values, float(total), self._support(key[:3]))
         return self._known[key]
 
     def _support(self, key: tuple[int, int, int | None]) -> int | None:
@@ -297,8 +331,9 @@ def _targets(samples: Any) -> tuple[Any, Any]:
     return array[:, 0], array[:, 1]
 
 
-def _impossible(d: float, a: float, h: float | None) -> str:
+def _impossible(d: float, a: float, h: float | None, energy: float | None = None) -> str:
     asked = f"Distance = {d:g} m, Angle = {math.degrees(a):g}°"
     asked += "" if h is None else f", Heading = {math.degrees(h):g}°"
+    asked += "" if energy is None else f", Energy = {energy:g} J"
     fix = "leave out --no-snap (snap=False) to get the nearest learned cell"
     return f"P({asked}) = 0 under this model: no gait does that; {fix}"

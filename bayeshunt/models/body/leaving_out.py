@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.models.body.rows import CountedRows
 from bayeshunt.models.counting.previous import previous_codes
@@ -45,6 +45,8 @@ def cells_of_row(source: TableSource, counted: CountedRows, row: Any) -> pd.Data
     if len(at) != 1:
         raise InputError(f"the model counted {len(at) or 'no'} rows {shown(labels[0])}; its labels are of model.rows")
     bins = dict(zip(("Gait", *EFFECTS), counted.cells[at[0]].tolist(), strict=True))
+    if source.structure.has_energy:
+        bins[ENERGY] = int(counted.bins(ENERGY)[at[0]])
     if depends_on_previous(source.structure):
         bins[PREVIOUS] = int(previous_codes(counted.frame.iloc[at], source.gaits)[0])
     tables = source.local
@@ -58,7 +60,7 @@ def _cell(source: TableSource, name: str, bins: dict[str, int], table: np.ndarra
         "variable": name,
         "state": source.states[name][bins[name]],
         "given": ", ".join(f"{p} = {source.states[p][bins[p]]}" for p in parents),
-        "count": int(source.cells.tabulate((name, *parents))[at]),
+        "count": int(source.counts_of(name)[at]),
         "probability": float(table[at]),
     }
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import statistics
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.bins import ENERGY, EffectAxes
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -202,7 +202,7 @@ class OpenTables:
 
     @cached_property
     def _tables(self) -> dict[str, np.ndarray]:
-        derived = {effect: self.source.effects.marginal(effect) for effect in EFFECTS}
+        derived = {effect: self.source.marginal(effect) for effect in self.structure.effects}
         for table in derived.values():
             table.setflags(write=False)
         return {**derived, "Gait": self.source.causes["Gait"]}
@@ -260,7 +260,9 @@ class OpenTables:
             raise InputError("this is the part of a model; leave rows out of the whole model")
         axes, reach = self.source.outcome_axes, self.joint.cells[:, 1].max(initial=0) + 1
         grown = axes.distance.bins == reach or self.source.residuals is not None  # else the bins were given so many
-        axes = replace(axes, distance=replace(axes.distance, bins=1)) if grown else axes
+        if grown:
+            energy = None if axes.energy is None else replace(axes.energy, bins=1)
+            axes = replace(axes, distance=replace(axes.distance, bins=1), energy=energy)
         whole: Any = type(self)
         fitted: Self = whole.fit(
             remaining(self._counted_rows, rows), self.gaits, self.prior,
@@ -326,8 +328,10 @@ class OpenTables:
         return variable == "Gait" and self.gait_prior == "uniform"
 
     def _check_variable(self, variable: str) -> None:
-        if variable not in network.VARIABLES:
-            raise InputError(f"unknown variable {variable!r}: expected one of {', '.join(network.VARIABLES)}")
+        known = ("Gait", *self.structure.effects)
+        if variable not in known:
+            fix = "; fit it with effects=[..., 'Energy']" if variable == ENERGY else ""
+            raise InputError(f"unknown variable {variable!r}: expected one of {', '.join(known)}{fix}")
 
     def _labelled(self, variable: str, values: np.ndarray, column: str) -> pd.DataFrame:
         if variable == "Gait":

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays, units
+from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.models.body.explain import explain
 from bayeshunt.models.body.forward import ForwardModel
@@ -19,8 +20,8 @@ from bayeshunt.models.certainty.sensitivity import sensitivity
 class Cell(NamedTuple):
     """A learned coordinate: the bins used as evidence, their centres and their labels.
 
-    distance [m], angle and heading [rad, clockwise] are bin centres; the heading fields are None
-    where no heading was asked.
+    distance [m], angle and heading [rad, clockwise] and energy [J] are bin centres; the fields of heading and energy
+    are None where none was asked.
     """
 
     distance_bin: int
@@ -32,12 +33,16 @@ class Cell(NamedTuple):
     heading_bin: int | None = None
     heading: float | None = None
     heading_label: str | None = None
+    energy_bin: int | None = None
+    energy: float | None = None
+    energy_label: str | None = None
 
     @property
     def evidence(self) -> dict[str, str]:
         """Variable -> state label, as pgmpy takes evidence."""
         known = {"Distance": self.distance_label, "Angle": self.angle_label}
-        return known if self.heading_label is None else {**known, "Heading": self.heading_label}
+        known |= {} if self.heading_label is None else {"Heading": self.heading_label}
+        return known if self.energy_label is None else {**known, ENERGY: self.energy_label}
 
 
 class CellPosterior:
@@ -63,10 +68,10 @@ class CellPosterior:
 
 
 class Posterior(NamedTuple):
-    """One answer: P(Gait | Distance, Angle [, Heading]) and the evidence that it rests on.
+    """One answer: P(Gait | Distance, Angle [, Heading] [, Energy]) and the evidence that it rests on.
 
     source: the posterior of the cell used. distance [m], angle, heading [rad]: what was asked.
-    snapped: the cell used is not the one that the question falls into.
+    snapped: the cell used is not the one that the question falls into. energy: joules asked, None: none.
     """
 
     source: CellPosterior
@@ -74,6 +79,7 @@ class Posterior(NamedTuple):
     angle: float
     heading: float | None
     snapped: bool
+    energy: float | None = None
 
     @property
     def values(self) -> np.ndarray:
@@ -142,14 +148,23 @@ class Posterior(NamedTuple):
     def asked(self) -> str:
         """The target in words: "160 mm, 28.6°"; its heading too, where one was asked."""
         heading = "" if self.heading is None else f", heading {units.degrees(self.heading, 1)}"
-        return f"{units.length(self.distance)}, {units.degrees(self.angle, 1)}{heading}"
+        energy = "" if self.energy is None else f", {self.energy:.3g} J"
+        return f"{units.length(self.distance)}, {units.degrees(self.angle, 1)}{heading}{energy}"
 
     @property
     def missed_by(self) -> str:
         """How far the coordinate used is from the target: "15.8 m away, heading 112° off"; "" unless snapped."""
         place, heading = self._misses()
         away = [f"{units.length(place)} away"] if place is not None else []
-        return ", ".join([*away, *([f"heading {units.degrees(heading, 1)} off"] if heading is not None else [])])
+        turned = [f"heading {units.degrees(heading, 1)} off"] if heading is not None else []
+        return ", ".join([*away, *turned, *self._joules_off()])
+
+    def _joules_off(self) -> list[str]:
+        """By how much the energy used misses the one asked, where that is in another bin: ["1.2 J off"] or []."""
+        if self.energy is None or self.cell.energy is None or not self.snapped:
+            return []
+        moved = self.model.axes[ENERGY].index(float(self.energy)) != self.cell.energy_bin
+        return [f"{abs(self.energy - self.cell.energy):.2g} J off"] if moved else []
 
     def _misses(self) -> tuple[float | None, float | None]:
         """Metres and radians by which place and heading were missed; None for one that is in its own bin."""
@@ -176,15 +191,16 @@ class Posterior(NamedTuple):
         reference: the gait that each is compared with: "rival" (the most probable of the others) or
             the name of a gait of probability > 0.
 
-        Columns: probability; reference; prior, Distance, Angle, Heading: the parts, natural
-        logarithms of ratios (positive speaks for the gait, 0 where no heading was asked, -inf where
+        Columns: probability; reference; prior, Distance, Angle, Heading, and Energy if it is a node: the parts,
+        natural logarithms of ratios (positive speaks for the gait, 0 where no heading was asked, -inf where
         the gait was never seen there); log_odds: log P(gait | evidence) / P(reference | evidence),
         the sum of the parts.
 
         Raises InputError for an unknown reference, one of probability 0, or a single gait.
         """
         cell = self.cell
-        return explain(self.model, (cell.distance_bin, cell.angle_bin, cell.heading_bin), self.values, reference)
+        bins = (cell.distance_bin, cell.angle_bin, cell.heading_bin)
+        return explain(self.model, bins, self.values, reference, cell.energy_bin)
 
     def interval(self, level: float = 0.95, pseudo: float | None = None) -> pd.DataFrame:
         """Return how sure each probability is: low, median, high, a row per gait in table order.
@@ -217,7 +233,8 @@ class Posterior(NamedTuple):
         """Bin number of each effect observed."""
         cell = self.cell
         bins = {"Distance": cell.distance_bin, "Angle": cell.angle_bin}
-        return bins if cell.heading_bin is None else {**bins, "Heading": cell.heading_bin}
+        bins |= {} if cell.heading_bin is None else {"Heading": cell.heading_bin}
+        return bins if cell.energy_bin is None else {**bins, ENERGY: cell.energy_bin}
 
     def __repr__(self) -> str:
         evidence = ", ".join(f"{name} {units.label(label)}" for name, label in self.evidence.items())
@@ -233,7 +250,9 @@ class Posterior(NamedTuple):
         place, heading = self._misses()
         missed = [units.length(place)] if place is not None else []
         missed += [f"{'' if missed else 'heading '}{units.degrees(heading)}"] if heading is not None else []
-        return f", for {', '.join([units.length(self.distance), *angles])} ({', '.join(missed)} off)"
+        asked = [units.length(self.distance), *angles, *([] if self.energy is None else [f"{self.energy:.3g} J"])]
+        off = [f"{', '.join(missed)} off"] if missed else []
+        return f", for {', '.join(asked)} ({', '.join([*off, *self._joules_off()])})"
 
     def __str__(self) -> str:
         return displays.to_text(self)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS, Axis
+from bayeshunt.core.bins import EFFECTS, ENERGY, Axis
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.data import babbling_table
+from bayeshunt.models.counting.energy import energy_of
 from bayeshunt.models.counting.joint import JointCounts
 
 __all__ = ["CountedRows"]
@@ -45,7 +46,7 @@ class CountedRows:
         babbling_table.validate(self.frame, self.gaits.names)
         as_counted = recast(self.frame)
         counted = JointCounts.of(as_counted, self.gaits, self.axes)
-        if not (np.array_equal(counted.cells, mine.cells) and np.array_equal(counted.counts, mine.counts)):
+        if not all(np.array_equal(getattr(counted, n), getattr(mine, n)) for n in ("cells", "counts", "spent")):
             raise DataError("these are not the rows that the model counted; give the table that it was fitted to")
         self.cells = babbling_table.discretise(as_counted, self.gaits, self.axes)
 
@@ -53,10 +54,16 @@ class CountedRows:
         """Return the rows in one cell; see ``ForwardModel.rows``."""
         if variable == "Gait":
             return self._where(self.cells[:, 0] == self.gaits.index(bin))
-        hits = self.cells[:, 1 + EFFECTS.index(variable)] == _bin_index(self.axes[variable], bin)
+        hits = self.bins(variable) == _bin_index(self.axes[variable], bin)
         if gait is not None:
             hits &= self.cells[:, 0] == self.gaits.index(gait)
         return self._where(hits)
+
+    def bins(self, variable: str) -> np.ndarray:
+        """Return the bin [N] of an effect that each row fell into."""
+        if variable == ENERGY:
+            return np.asarray(self.axes[ENERGY].index(energy_of(self.frame)))
+        return np.asarray(self.cells[:, 1 + EFFECTS.index(variable)])
 
     def _where(self, hits: np.ndarray) -> pd.DataFrame:
         found = self.frame[hits].copy()

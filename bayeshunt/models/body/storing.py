@@ -66,7 +66,7 @@ class WritableModel(OpenTables, ABC):
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Write every table as CSV, a row per cell with count and interval; see ``models.formats.csv``."""
-        return csv.write(self.cells, folder)
+        return csv.write(self.cells, folder, ("Gait", *self.structure.effects))
 
     def cells(self, variable: str) -> pd.DataFrame:
         """Return a table as one row per cell, as :meth:`to_csv` writes it; gaits vary slowest.

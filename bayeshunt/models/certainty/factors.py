@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.counting.previous import PreviousCounts
@@ -72,7 +72,7 @@ def factors(source: TableSource, bins: dict[str, int], pseudo: float | None = No
     for _ in EFFECTS:  # the parents of what is needed are needed
         needed |= {p for v in needed for p in source.structure.parents(v) if p in EFFECTS}
     made = [_cause(source, cause, pseudo) for cause in source.causes]
-    return made + [_effect(source, effect, bins, pseudo) for effect in EFFECTS if effect in needed]
+    return made + [_effect(source, effect, bins, pseudo) for effect in (*EFFECTS, ENERGY) if effect in needed]
 
 
 def _cause(source: TableSource, cause: str, pseudo: float | None) -> Factor:
@@ -88,14 +88,14 @@ def _cause(source: TableSource, cause: str, pseudo: float | None) -> Factor:
 
 def _effect(source: TableSource, effect: str, bins: dict[str, int], pseudo: float | None) -> Factor:
     parents = source.structure.parents(effect)
-    counts = source.cells.tabulate((effect, *parents))
+    counts = source.counts_of(effect)
     fixed = {p: bins[p] for p in parents if p in bins}
     cut = (slice(None), *(fixed.get(p, slice(None)) for p in parents))
     weights = np.broadcast_to(_pseudo(source, effect, pseudo), counts.shape)
     left = tuple(p for p in parents if p not in fixed)
     observed = bins.get(effect)
     axes = left if observed is not None else (effect, *left)
-    table = source.effects.local[effect]
+    table = source.local[effect]
     return Factor(effect, axes, observed, fixed, table[cut], counts[cut], weights[cut], True)
 
 
@@ -103,7 +103,7 @@ def _pseudo(source: TableSource, effect: str, pseudo: float | None) -> np.ndarra
     """Pseudo-counts that broadcast over a table [K, ...parents]."""
     if pseudo is None and (leant := source.local_pseudo(effect)) is not None:
         return leant
-    return _number(source.prior, source.cells.size(effect), pseudo)
+    return _number(source.prior, len(source.states[effect]), pseudo)
 
 
 def _number(prior: float, states: int, pseudo: float | None) -> float:

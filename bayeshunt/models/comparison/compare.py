@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
@@ -110,12 +110,14 @@ def compare(a: ForwardModel, b: ForwardModel, level: float = 0.95) -> Comparison
     if a.gaits.names != b.gaits.names:
         raise InputError("the models have different gaits, so their tables have no cells in common")
     a, b = a.binned, b.binned
-    longest = max(a.axes.distance.bins, b.axes.distance.bins)
-    if a.axes.extended(longest) != b.axes.extended(longest):
+    effects = [e for e in a.structure.effects if e in b.structure.effects]
+    shared = [model.axes if ENERGY in effects else replace(model.axes, energy=None) for model in (a, b)]
+    whole = shared[0].covering(shared[1])
+    if whole != shared[1].covering(shared[0]):
         raise InputError("the models have different bins; fit both with the same axes")
     difference, low, high = {}, {}, {}
-    for variable in (*EFFECTS, "Gait"):
-        labels = list(a.axes.extended(longest)[variable].labels) if variable != "Gait" else list(a.gaits.names)
+    for variable in (*effects, "Gait"):
+        labels = list(whole[variable].labels) if variable != "Gait" else list(a.gaits.names)
         p1, l1, u1 = _table(a, variable, labels, level)
         p2, l2, u2 = _table(b, variable, labels, level)
         d = p2 - p1

@@ -6,19 +6,21 @@ and each axis can be chosen for itself. A density (nats per m rad2), unlike a pr
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import Axis, EffectAxes
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.bins import EFFECTS, ENERGY, Axis, EffectAxes
+from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.data import babbling_table
+from bayeshunt.models.counting.energy import energy_of
 
-__all__ = ["auto_axes", "chosen_axes", "density_losses"]
+__all__ = ["auto_axes", "chosen_axes", "density_losses", "with_energy"]
 
 _FOLDS = 5
 _TURNS = (6, 8, 9, 10, 12, 15, 18, 20, 24, 30, 36, 45, 60, 72, 90, 120, 180, 360)
@@ -54,6 +56,34 @@ def chosen_axes(axes: EffectAxes | str | None, frame: pd.DataFrame, gaits: Any) 
     return auto_axes(frame, GaitRepertoire.of(gaits))
 
 
+def with_energy(
+    axes: EffectAxes, effects: Iterable[str] | None, frame: pd.DataFrame, gaits: GaitRepertoire
+) -> EffectAxes:
+    """Return the axes of the effects asked for: Energy gets bins of the highest held-out density, or none.
+
+    effects: Distance, Angle and Heading, and perhaps Energy, in any order; None: as the axes have it.
+    Raises InputError for other effects, DataError for rows that do not say their energy.
+    """
+    if effects is None:
+        return axes
+    names = [effects] if isinstance(effects, str) else list(effects)
+    for name in names:
+        if name not in (*EFFECTS, ENERGY):
+            raise InputError(f"effects: unknown effect {name!r}{did_you_mean(name, (*EFFECTS, ENERGY))}")
+    if len(set(names)) != len(names) or not set(EFFECTS) <= set(names):
+        raise InputError(f"effects: expected {', '.join(EFFECTS)}, each once, and perhaps Energy; got {names}")
+    if ENERGY not in names:
+        return replace(axes, energy=None)
+    if axes.energy is not None:
+        return axes
+    babbling_table.validate(frame)
+    values, codes = energy_of(frame), babbling_table.gait_codes(frame["gait"], gaits)
+    middle = max(float(np.median(values)), float(np.mean(values)) / 10, _SMALLEST)
+    made = [Axis.linear(ENERGY, float(f"{share * middle:.2g}")) for share in _SHARES]
+    best = min((density_losses(values, codes, axis), i) for i, axis in enumerate(made))[1]
+    return replace(axes, energy=made[best])
+
+
 def _candidates(name: str, values: FloatArray) -> Iterator[Axis]:
     if name != "Distance":
         yield from (Axis.full_turn(name, bins) for bins in _TURNS)
@@ -63,7 +93,7 @@ def _candidates(name: str, values: FloatArray) -> Iterator[Axis]:
 
 
 def density_losses(values: FloatArray, gaits: np.ndarray, axis: Axis) -> float:
-    """Return the mean held-out -log density of one effect given the gait, in nats per metre or radian.
+    """Return the mean held-out -log density of one effect given the gait, in nats per metre, radian or joule.
 
     values: [N]. gaits: whole numbers [N]. Tables are smoothed by 0.03 a cell.
     """

@@ -10,11 +10,16 @@ import math
 import numpy as np
 import pandas as pd
 
+from bayeshunt.core.bins import Axis
 from bayeshunt.core.errors import DataError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data import babbling_table
+from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 
-__all__ = ["COLUMN", "LEANING", "add_up", "energy_table", "expected", "mean_interval", "nothing", "tally_energy"]
+__all__ = [
+    "COLUMN", "LEANING", "add_up", "count_energy", "energy_of", "energy_reached", "energy_table", "expected",
+    "mean_interval", "nothing", "tally_energy",
+]  # fmt: skip
 
 #: The column of a babbling table [J].
 COLUMN = "energy"
@@ -48,6 +53,36 @@ def tally_energy(frame: pd.DataFrame, gaits: GaitRepertoire) -> np.ndarray:
     parts = (np.ones(len(energy)), np.rint(energy * _SUMS), np.rint(energy * energy * _SQUARES))
     np.add.at(tally, (before, after), np.stack(parts, axis=1).astype(np.int64))
     return tally
+
+
+def energy_of(frame: pd.DataFrame) -> np.ndarray:
+    """Return the energies [N] of a babbling table in joules, for bins; DataError unless every row says one >= 0."""
+    if COLUMN not in frame:
+        raise DataError(
+            "Energy is to be a node, and the table has no column energy [J]: babble with a body that measures it, or "
+            "fit without Energy"
+        )
+    energy = frame[COLUMN].to_numpy(dtype=float)
+    wrong = ~(np.isfinite(energy) & (energy >= 0))
+    if wrong.any():
+        raise DataError(f"row {int(wrong.argmax())}: energy is {energy[wrong][0]}; expected joules >= 0")
+    return energy
+
+
+def energy_reached(frame: pd.DataFrame, axis: Axis) -> int:
+    """Return the number of bins up to the dearest row; DataError for one absurdly dear."""
+    energy = energy_of(frame)
+    dearest = float(energy.max(initial=0.0))
+    if not dearest < MAX_DISTANCE_BINS * axis.width:
+        raise DataError(f"row {int(energy.argmax())}: energy is {dearest:g} J; the bins are {axis.width:g} J wide")
+    return int(axis.index(dearest)) + 1
+
+
+def count_energy(frame: pd.DataFrame, gaits: GaitRepertoire, axis: Axis) -> np.ndarray:
+    """Return int64 [E, G]: rows in each bin of energy by gait; the axis must reach the dearest row."""
+    counts = np.zeros((axis.bins, len(gaits)), dtype=np.int64)
+    np.add.at(counts, (axis.index(energy_of(frame)), babbling_table.gait_codes(frame["gait"], gaits)), 1)
+    return counts
 
 
 def add_up(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -9,20 +9,22 @@ any order, any split and any merging of the same rows gives the same bits.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, EffectAxes
 from bayeshunt.core.errors import DataError, InputError, ZeroCountError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import wrap
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
-from bayeshunt.models.counting.energy import add_up, nothing, tally_energy
+from bayeshunt.models.counting.energy import add_up, count_energy, energy_reached, nothing, tally_energy
 from bayeshunt.models.counting.tally import SCALE, tally_rows
+
+_COUNTED = ("cells", "counts", "sums", "energy", "spent")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +39,7 @@ class JointCounts:
         forward [nm], right [nm], cos(heading) [1e-9] and sin(heading) [1e-9].
     energy: int64 [G + 1, G, 3], what gaits cost by gait before and gait, see ``models.counting.energy``; of rows that
         do not say it, of shape [0, 0, 3].
+    spent: int64 [E, G], rows in each bin of Energy by gait; [0, 0] where Energy is no node.
     """
 
     gaits: GaitRepertoire
@@ -45,9 +48,14 @@ class JointCounts:
     counts: np.ndarray
     sums: np.ndarray
     energy: np.ndarray = field(default_factory=nothing)
+    spent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
 
     def __post_init__(self) -> None:
-        for name in ("cells", "counts", "sums", "energy"):
+        if (axis := self.axes.energy) is not None:
+            wide = np.zeros((axis.bins, len(self.gaits)), dtype=np.int64)
+            wide[: len(self.spent)] = self.spent if len(self.spent) else 0
+            object.__setattr__(self, "spent", wide)
+        for name in _COUNTED:
             array = np.array(getattr(self, name), dtype=np.int64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -63,8 +71,12 @@ class JointCounts:
 
         Raises DataError if a row lies absurdly far out (more than MAX_DISTANCE_BINS bins).
         """
-        axes = axes.extended(_bins_reached(frame, axes))
-        return cls(gaits, axes, *tally_rows(frame, gaits, axes), tally_energy(frame, gaits))
+        energy_bins = 1 if axes.energy is None else energy_reached(frame, axes.energy)
+        axes = axes.extended(_bins_reached(frame, axes), energy_bins)
+        counted = (*tally_rows(frame, gaits, axes), tally_energy(frame, gaits))
+        if axes.energy is None:
+            return cls(gaits, axes, *counted)
+        return cls(gaits, axes, *counted, count_energy(frame, gaits, axes.energy))
 
     def merge(self, other: JointCounts) -> JointCounts:
         """Return the counts of both; equal, bit for bit, to counting all rows at once.
@@ -84,9 +96,13 @@ class JointCounts:
             )
         else:
             sums = self.sums + other.sums
-        axes = self.axes.extended(other.axes.distance.bins)
+        axes = self.axes.covering(other.axes)
+        spent = self.spent
+        if axes.energy is not None:
+            one, two = (replace(part, axes=axes).spent for part in (self, other))
+            spent = one + two
         cells, counts = _add_up(np.concatenate([self.cells, other.cells]), np.concatenate([self.counts, other.counts]))
-        return JointCounts(self.gaits, axes, cells, counts, sums, add_up(self.energy, other.energy))
+        return JointCounts(self.gaits, axes, cells, counts, sums, add_up(self.energy, other.energy), spent)
 
     @property
     def total(self) -> int:
@@ -102,6 +118,8 @@ class JointCounts:
         """Return int64 counts [K, G] of an effect variable's bins by gait, or [G] for "Gait"."""
         if variable == "Gait":
             return self._tabulate(self.cells[:, 0], (len(self.gaits),))
+        if variable == ENERGY:
+            return self.spent
         axis = self.axes[variable]
         column = 1 + EFFECTS.index(variable)
         shape = (axis.bins, len(self.gaits))
@@ -150,7 +168,7 @@ class JointCounts:
         return (
             self.gaits == other.gaits
             and self.axes == other.axes
-            and all(np.array_equal(getattr(self, n), getattr(other, n)) for n in ("cells", "counts", "sums", "energy"))
+            and all(np.array_equal(getattr(self, n), getattr(other, n)) for n in _COUNTED)
         )
 
     def __hash__(self) -> int:
@@ -158,7 +176,7 @@ class JointCounts:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Through the constructor, so that arrays sent to another process are read-only there too.
-        return JointCounts, (self.gaits, self.axes, self.cells, self.counts, self.sums, self.energy)
+        return JointCounts, (self.gaits, self.axes, self.cells, self.counts, self.sums, self.energy, self.spent)
 
     def _tabulate(self, flat: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         table = np.zeros(int(np.prod(shape)), dtype=np.int64)
@@ -181,7 +199,7 @@ def _bins_reached(frame: pd.DataFrame, axes: EffectAxes) -> int:
 def _check_same_grid(one: JointCounts, other: JointCounts) -> None:
     if one.gaits.names != other.gaits.names:
         raise InputError("cannot join counts of different gaits")
-    if one.axes.extended(other.axes.distance.bins) != other.axes.extended(one.axes.distance.bins):
+    if one.axes.covering(other.axes) != other.axes.covering(one.axes):
         raise InputError("cannot join counts made with different bins")
 
 

@@ -36,8 +36,7 @@ class PreviousCounts:
     after: tuple[JointCounts, ...]
 
     def __post_init__(self) -> None:
-        bins = max(part.axes.distance.bins for part in self.after)
-        axes = self.after[0].axes.extended(bins)
+        axes = reduce(lambda axes, part: axes.covering(part.axes), self.after, self.after[0].axes)
         parts = (part if part.axes == axes else replace(part, axes=axes) for part in self.after)
         object.__setattr__(self, "after", tuple(parts))
 
@@ -89,6 +88,11 @@ class PreviousCounts:
         sizes = (len(self.gaits), len(self.gaits), *self.axes.shape)
         counts = np.concatenate([part.counts for part in self.after])
         return CountedCells((PREVIOUS, "Gait", *EFFECTS), sizes, np.concatenate(cells), counts)
+
+    @property
+    def spent(self) -> np.ndarray:
+        """Int64 [E, G, G]: rows in each bin of Energy by gait and by the gait before."""
+        return np.stack([part.spent for part in self.after], axis=2)
 
     @property
     def pairs(self) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.arguments import checked_but
-from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, Axis, EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.files.atomic import check_path
@@ -33,7 +33,8 @@ def read_network(path: str | os.PathLike[str], gaits: Any = None, axes: EffectAx
     axes: the bins, in the file's order of states; default: from the bin labels. State names are
         translated by ``<path>.labels.json`` if it is there, as our own exports have it.
 
-    Any edges into Distance, Angle and Heading will do; from PreviousGait to all of them or none.
+    Any edges into Distance, Angle and Heading will do; from PreviousGait to all of them or none. There may be Energy,
+    which depends on what causes the others.
 
     Raises InputError in one line for an unreadable file, other variables or edges, states that do not
     fit, or columns that do not sum to 1.
@@ -74,17 +75,23 @@ def _model(
     repertoire = GaitRepertoire.of(labels["Gait"] if gaits is None else gaits)
     grid = axes if axes is not None else _axes(labels, name)
     order = {"Gait": _positions(labels["Gait"], repertoire.names, "Gait", name)}
-    order |= {axis.name: _positions(labels[axis.name], axis.labels, axis.name, name) for axis in grid}
-    structure = Structure("learned", found.edges)
-    structure = next((s for s in (NAIVE, PREVIOUS_GAIT) if s.edges == structure.edges), structure)
-    if depends_on_previous(structure) and structure is not PREVIOUS_GAIT:
+    if (grid.energy is not None) != (ENERGY in labels):
+        raise InputError(f"{name}: axes= and the file must both have {ENERGY}, or neither")
+    order |= {axis.name: _positions(labels[axis.name], axis.labels, axis.name, name) for axis in grid.all}
+    try:
+        structure = Structure("learned", found.edges)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+    known = (NAIVE, PREVIOUS_GAIT, NAIVE.with_energy(), PREVIOUS_GAIT.with_energy())
+    structure = next((s for s in known if s.edges == structure.edges), structure)
+    if depends_on_previous(structure) and structure.poses != PREVIOUS_GAIT:
         raise InputError(
             f"{name}: with {PREVIOUS} among the causes, it and Gait must be the parents of each of "
             f"{', '.join(EFFECTS)}, and nothing else"
         )
     if PREVIOUS in labels:
         order[PREVIOUS] = _positions(labels[PREVIOUS], repertoire.names, PREVIOUS, name)
-    variables = (*structure.causes, *EFFECTS)
+    variables = (*structure.causes, *structure.effects)
     given = {variable: _table(found, variable, structure, order) for variable in variables}
     return ForwardModel.of_tables(repertoire, grid, structure, given)
 
@@ -107,10 +114,11 @@ def read_tables(path: str | os.PathLike[str]) -> NetworkTables:
 
 def _check_variables(found: NetworkTables, name: str) -> None:
     variables = set(found.states)
-    if variables - {PREVIOUS} != set(network.VARIABLES):
+    if variables - {PREVIOUS, ENERGY} != set(network.VARIABLES):
         expected = ", ".join(network.VARIABLES)
         raise InputError(
-            f"{name}: the variables are {few(sorted(variables))}; expected exactly {expected} (and perhaps {PREVIOUS})"
+            f"{name}: the variables are {few(sorted(variables))}; expected exactly {expected} (and perhaps {PREVIOUS}, "
+            f"{ENERGY})"
         )
 
 
@@ -150,8 +158,11 @@ def _axes(labels: dict[str, list[str]], name: str) -> EffectAxes:
     """The bins that the labels name."""
     distance = Axis.linear("Distance", _width(labels["Distance"], name), len(labels["Distance"]))
     turns = (Axis.full_turn(v, len(labels[v])) for v in ("Angle", "Heading"))
-    axes = EffectAxes(distance, *turns)
-    for axis in axes:
+    energy = None
+    if ENERGY in labels:
+        energy = Axis.linear(ENERGY, _width(labels[ENERGY], name, "J"), len(labels[ENERGY]))
+    axes = EffectAxes(distance, *turns, energy=energy)
+    for axis in axes.all:
         if set(axis.labels) != set(labels[axis.name]):
             raise InputError(
                 f"{name}: the states of {axis.name} ({labels[axis.name][0]!r}, ...) are not bin labels such as "
@@ -165,14 +176,16 @@ def _fix(name: str) -> str:
     return f"name them in a label map, {xmlbif.labels_path(name)}, or give axes= in Python"
 
 
-def _width(labels: list[str], name: str) -> float:
-    """Bin width [m] from labels such as "0-5.7 mm", "5.7-11.4 mm"."""
+def _width(labels: list[str], name: str, unit: str = "mm") -> float:
+    """Bin width [m; J] from labels such as "0-5.7 mm", "5.7-11.4 mm"."""
     try:
-        reach = max(float(label.removesuffix(" mm").split("-")[1]) for label in labels)
-        return round(reach / len(labels), 9) / 1000  # labels are in millimetres, rounded
+        reach = max(float(label.removesuffix(f" {unit}").split("-")[1]) for label in labels)
+        width = round(reach / len(labels), 9)  # labels are rounded
+        return width if unit == "J" else width / 1000
     except (IndexError, ValueError):
+        which = ENERGY if unit == "J" else "Distance"
         raise InputError(
-            f"{name}: the states of Distance ({labels[0]!r}, ...) are not bins such as '0-5.7 mm'; {_fix(name)}"
+            f"{name}: the states of {which} ({labels[0]!r}, ...) are not bins such as '0-5.7 {unit}'; {_fix(name)}"
         ) from None
 
 

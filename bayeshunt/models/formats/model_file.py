@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from bayeshunt.core.bins import EFFECTS, Axis, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, Axis, EffectAxes
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import BayesHuntError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
@@ -41,8 +41,10 @@ __all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "lo
 KIND = "bayeshunt forward model"
 #: The command that makes one.
 MAKER = "bayeshunt fit babbling.parquet"
-#: Newest version of the layout of ``content``: tables of what a motion misses, with the motion and the poses' counts.
-FORMAT = 5
+#: Newest version of the layout of ``content``: Energy is a node, whose bins and counts it holds.
+FORMAT = 6
+#: Tables of what a motion misses, with the motion and the poses' counts.
+_FORMAT_WITH_RESIDUALS = 5
 #: Tables with back-off, whose strength it holds.
 _FORMAT_WITH_BACKOFF = 4
 #: What a model that depends on the gait before is written in, without back-off.
@@ -50,7 +52,7 @@ _FORMAT_WITH_PREVIOUS = 3
 #: What a model that does not depend on the gait before is written in, so that older programs can read it.
 _FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
-READABLE = (1, 2, 3, 4, 5)
+READABLE = (1, 2, 3, 4, 5, 6)
 
 _RECORD = RecordKind(KIND, MAKER, READABLE)
 
@@ -123,8 +125,10 @@ def loads(text: str, name: str = "model") -> Stored:
 
 def _version(tables: CountedTables | ContextTables | ResidualTables) -> int:
     """The oldest format that can say everything, so that older programs can read the file."""
-    if isinstance(tables, ResidualTables):
+    if tables.axes.energy is not None:
         return FORMAT
+    if isinstance(tables, ResidualTables):
+        return _FORMAT_WITH_RESIDUALS
     if tables.backoff is not None:
         return _FORMAT_WITH_BACKOFF
     return _FORMAT_WITH_PREVIOUS if isinstance(tables, ContextTables) else _FORMAT_WITHOUT_PREVIOUS
@@ -158,11 +162,19 @@ def _counts_record(counts: JointCounts | PreviousCounts) -> dict[str, Any]:
     energy = (counts.joint if isinstance(counts, PreviousCounts) else counts).energy
     return {
         **({"energy": energy.tolist()} if energy.size else {}),
-        "axes": {axis.name: _axis_record(axis) for axis in counts.axes},
+        **({"energy_counts": _spent(counts)} if counts.axes.energy is not None else {}),
+        "axes": {axis.name: _axis_record(axis) for axis in counts.axes.all},
         "cells": np.column_stack([table.cells, table.counts]).tolist(),
         "cells_columns": [*table.names, "count"],
         "pose_sums": sums.tolist(),
     }
+
+
+def _spent(counts: JointCounts | PreviousCounts) -> list[Any]:
+    """Rows by bin of Energy and gait [E, G]; one such table for each gait before, where that is counted."""
+    parts = counts.after if isinstance(counts, PreviousCounts) else (counts,)
+    made = [part.spent.tolist() for part in parts]
+    return made if isinstance(counts, PreviousCounts) else list(made[0])
 
 
 def _residual_record(tables: ResidualTables) -> dict[str, Any]:
@@ -215,7 +227,7 @@ def _model(content: Any, structure: Structure) -> Stored:
     # None would be taken for a default, and a file says what it was fitted with
     prior = check_pseudo_count(content["prior"], "prior")
     gait_prior, provenance = content["gait_prior"], dict(content["provenance"])
-    if depends_on_previous(structure) and structure != PREVIOUS_GAIT:
+    if depends_on_previous(structure) and structure.poses != PREVIOUS_GAIT:
         raise ValueError(f"structure {structure.name!r} has {PREVIOUS} among its causes")
     counts = _counts(content, structure, gaits)
     tables = tables_of(counts, prior, gait_prior, structure, content.get("backoff"))
@@ -230,9 +242,27 @@ def _counts(content: Any, structure: Structure, gaits: GaitRepertoire) -> JointC
     axes, rows = _axes(content["axes"]), _whole(content["cells"], 2)
     if depends_on_previous(structure):
         sums = _whole(content["pose_sums"], 4)
-        return _previous_counts(rows.reshape(-1, 6), sums, gaits, axes, _energy(content, gaits))
+        spent = _energy_counts(content, 3, (len(gaits), *_bins_of_energy(axes), len(gaits)))
+        return _previous_counts(rows.reshape(-1, 6), sums, gaits, axes, _energy(content, gaits), spent)
     joint = _joint_counts(rows.reshape(-1, 5), _whole(content["pose_sums"], 3), gaits, axes)
-    return replace(joint, energy=_energy(content, gaits))
+    if axes.energy is None:
+        return replace(joint, energy=_energy(content, gaits))
+    spent = _energy_counts(content, 2, (*_bins_of_energy(axes), len(gaits)))
+    return replace(joint, energy=_energy(content, gaits), spent=spent)
+
+
+def _bins_of_energy(axes: EffectAxes) -> tuple[int, ...]:
+    return () if axes.energy is None else (axes.energy.bins,)
+
+
+def _energy_counts(content: Any, dimensions: int, shape: tuple[int, ...]) -> np.ndarray:
+    """The counts behind the table of Energy; nothing in files where it is no node."""
+    if len(shape) < dimensions:
+        return np.zeros(0, dtype=np.int64)
+    counts = _whole(content["energy_counts"], dimensions)
+    if counts.shape != shape or counts.min() < 0:
+        raise ValueError(f"energy_counts has shape {counts.shape}")
+    return counts
 
 
 def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
@@ -245,7 +275,8 @@ def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
 
 
 def _axes(record: Any) -> EffectAxes:
-    return EffectAxes(*(_axis(name, record[name]) for name in EFFECTS))
+    energy = _axis(ENERGY, record[ENERGY]) if ENERGY in record else None
+    return EffectAxes(*(_axis(name, record[name]) for name in EFFECTS), energy=energy)
 
 
 def _measure(value: Any) -> float | None:
@@ -271,9 +302,11 @@ def _energy(content: Any, gaits: GaitRepertoire) -> np.ndarray:
 
 
 def _previous_counts(
-    rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes, energy: np.ndarray
-) -> PreviousCounts:
-    """Counts from rows [K, 6], PreviousGait first, pose sums [G, G, P + 1, 4] and the tally of energy."""
+    rows: np.ndarray, sums: np.ndarray, gaits: GaitRepertoire, axes: EffectAxes, energy: np.ndarray,
+    spent: np.ndarray,
+) -> PreviousCounts:  # fmt: skip
+    """Counts from rows [K, 6], PreviousGait first, pose sums [G, G, P + 1, 4], the tally of energy and its
+    counts [G, E, G]."""
     _check_rows(rows, (len(gaits), len(gaits), *axes.shape))
     if sums.shape[:2] != (len(gaits), len(gaits)):
         raise ValueError(f"pose_sums has shape {sums.shape}")
@@ -285,6 +318,8 @@ def _previous_counts(
             own = np.zeros_like(energy)
             own[before] = energy[before]
             one = replace(one, energy=own)
+        if spent.size:
+            one = replace(one, spent=spent[before])
         after.append(one)
     return PreviousCounts(tuple(after))
 
@@ -295,7 +330,7 @@ def _structure(record: dict[str, Any]) -> Structure:
 
 def _axis(name: str, record: dict[str, Any]) -> Axis:
     bins, circular = record["bins"], record["circular"]
-    if not _is_whole(bins) or bins > MAX_DISTANCE_BINS or circular is not (name != "Distance"):
+    if not _is_whole(bins) or bins > MAX_DISTANCE_BINS or circular is not (name not in ("Distance", ENERGY)):
         raise ValueError(f"axis {name}: {bins!r} bins, circular {circular!r}")
     axis = Axis(name, float(record["width"]), bins, circular)
     if record["labels"] != list(axis.labels):

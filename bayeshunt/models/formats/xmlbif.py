@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, write_text
 from bayeshunt.files.endings import check_ending
@@ -50,7 +50,7 @@ def _safe(variable: str, labels: Iterable[str]) -> dict[str, str]:
     """Safe name -> label of the states of one variable; a name that is taken gets a number."""
     names: dict[str, str] = {}
     for label in labels:
-        token = _bin_token(label) if variable in EFFECTS else _token(label)
+        token = _bin_token(label) if variable in (*EFFECTS, ENERGY) else _token(label)
         number = 2
         name = token
         while name in names:

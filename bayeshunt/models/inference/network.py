@@ -40,7 +40,8 @@ class Network(displays.Displayed):
     nodes: names, in the order of the tables. states: node -> names of its states, in table order.
     parents: node -> its parents. tables: node -> P(node | parents) [K, ...parents].
 
-    Evidence is a state's name as in ``states`` or, for Distance [m], Angle and Heading [rad clockwise], a number.
+    Evidence is a state's name as in ``states`` or, for Distance [m], Angle and Heading [rad clockwise]
+    and Energy [J], a number.
     A likelihood (virtual evidence) is a number >= 0 for every state: how probable what was perceived is in that state.
 
     A notebook shows it as a widget (:attr:`widget`), :meth:`save` as a page: there a click on a state is evidence.
@@ -244,9 +245,9 @@ class Network(displays.Displayed):
             if value not in states:
                 raise InputError(f"{node} has no state {value!r}{did_you_mean(value, states)}")
             return states.index(value)
-        if self._axes is None or node not in ("Distance", "Angle", "Heading"):
+        if self._axes is None or node not in {axis.name for axis in self._axes.all}:
             raise InputError(f"{node}: expected the name of one of its states, got {shown(value)}")
-        number = check_number(value, node, "the name of a state, or a number in metres or radians")
+        number = check_number(value, node, "the name of a state, or a number in metres, radians or joules")
         index = int(self._axes[node].index(number))
         if not 0 <= index < len(states):
             raise InputError(f"{node} = {number:g} lies outside its bins, {states[0]!r} to {states[-1]!r}")

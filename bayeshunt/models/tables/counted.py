@@ -23,10 +23,11 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import statistics
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.models.counting.backoff import PRIOR, check_strength, leaning_poses, leaning_table
+from bayeshunt.models.counting.cells import conditional
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.counting.previous import PreviousCounts, previous_codes
 from bayeshunt.models.counting.tally import SCALE
@@ -86,6 +87,19 @@ class CountedTables(_RowTables):
         return compile_effects(self.structure, self.joint, self.prior)
 
     @cached_property
+    def energy(self) -> np.ndarray | None:
+        """P(Energy | Gait) [E, G]; None where Energy is no node."""
+        if self.axes.energy is None:
+            return None
+        if self.pooled is not None and self.backoff is not None:
+            assert self.pooled.energy is not None
+            table = leaning_table(self.joint.spent, self.pooled.energy, self.backoff)
+        else:
+            table = statistics.normalise(self.joint.spent, self.prior, name=ENERGY)
+        table.setflags(write=False)
+        return table
+
+    @cached_property
     def causes(self) -> dict[str, np.ndarray]:
         """P(Gait) [G]."""
         if self.pooled is not None:
@@ -133,7 +147,7 @@ class CountedTables(_RowTables):
         """Pseudo-counts of the tables leant on; None where the part stands alone."""
         if self.pooled is None or self.backoff is None:
             return None
-        return self.backoff * self.pooled.effects.local[effect]
+        return self.backoff * self.pooled.local[effect]
 
     def select(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of this context; all, if there is none."""
@@ -170,7 +184,7 @@ class ContextTables(_RowTables):
         object.__setattr__(self, "prior", check_settings(self.prior, self.gait_prior))
         if self.backoff is not None:
             object.__setattr__(self, "backoff", check_strength(self.backoff))
-        if self.structure != PREVIOUS_GAIT:
+        if self.structure.poses != PREVIOUS_GAIT:
             raise InputError("this structure is fitted to JointCounts; counts by the gait before are for previous_gait")
 
     @property
@@ -191,7 +205,7 @@ class ContextTables(_RowTables):
     @cached_property
     def pooled(self) -> CountedTables:
         """The paper's tables of all rows."""
-        return CountedTables(self.joint, self.prior, self.gait_prior)
+        return CountedTables(self.joint, self.prior, self.gait_prior, _with_energy(NAIVE, self.joint))
 
     @cached_property
     def effects(self) -> JointEffects:
@@ -209,6 +223,17 @@ class ContextTables(_RowTables):
         return {e: leaning_table(counts[e], base[e][:, :, None], self.backoff) for e in EFFECTS}
 
     @cached_property
+    def energy(self) -> np.ndarray | None:
+        """P(Energy | Gait, PreviousGait) [E, G, G]; None where Energy is no node."""
+        if self.axes.energy is None:
+            return None
+        counts = self.by_previous.spent
+        if self.backoff is None:
+            return conditional(counts, self.prior)
+        assert self.pooled.energy is not None
+        return leaning_table(counts, self.pooled.energy[:, :, None], self.backoff)
+
+    @cached_property
     def causes(self) -> dict[str, np.ndarray]:
         """P(PreviousGait) [G] and P(Gait) [G]."""
         before = _share(self.by_previous.pairs.sum(axis=1), self.prior, self.gait_prior, PREVIOUS)
@@ -216,7 +241,7 @@ class ContextTables(_RowTables):
 
     def local_pseudo(self, effect: str) -> np.ndarray | None:
         """Pseudo-counts [K, G, 1] of the tables leant on."""
-        return None if self.backoff is None else self.backoff * self.pooled.effects.local[effect][:, :, None]
+        return None if self.backoff is None else self.backoff * self.pooled.local[effect][:, :, None]
 
     @property
     def learned_cells(self) -> np.ndarray:
@@ -237,7 +262,8 @@ class ContextTables(_RowTables):
         if PREVIOUS not in context:
             return self
         part = self.by_previous.after[self.gaits.index(context[PREVIOUS])]
-        return CountedTables(part, self.prior, self.gait_prior, NAIVE, dict(context), self.pooled, self.backoff)
+        structure = _with_energy(NAIVE, self.joint)
+        return CountedTables(part, self.prior, self.gait_prior, structure, dict(context), self.pooled, self.backoff)
 
     def log_likelihood(self, seen: JointCounts | PreviousCounts) -> float:
         """Return the sum over rows of log P(Gait) + log P(effects | Gait, PreviousGait); -inf if one is 0."""
@@ -271,11 +297,19 @@ def tables_of(
         prior = 0.0 if backoff is None else PRIOR
     if backoff is not None:
         check_strength(backoff)
+    if structure is None:
+        structure = PREVIOUS_GAIT if isinstance(counts, PreviousCounts) else NAIVE
+    structure = _with_energy(structure, counts)
     if isinstance(counts, PreviousCounts):
-        return ContextTables(counts, prior, gait_prior, PREVIOUS_GAIT if structure is None else structure, backoff)
+        return ContextTables(counts, prior, gait_prior, structure, backoff)
     if backoff is not None:
         raise InputError("backoff is for structure 'previous_gait': other tables have no context to lean on")
-    return CountedTables(counts, prior, gait_prior, NAIVE if structure is None else structure)
+    return CountedTables(counts, prior, gait_prior, structure)
+
+
+def _with_energy(structure: Structure, counts: JointCounts | PreviousCounts) -> Structure:
+    """A structure with Energy as a node, or without it, as the counts have it."""
+    return structure.poses if counts.axes.energy is None else structure.with_energy()
 
 
 def check_every_gait_seen(tables: CountedTables | ContextTables) -> None:

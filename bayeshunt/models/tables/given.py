@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.models.counting.joint import JointCounts
@@ -72,6 +72,11 @@ class GivenTables(TableSource):
         return JointEffects.of_tables(self.structure, local, (len(self.gaits), *self.axes.shape), shares)
 
     @property
+    def energy(self) -> np.ndarray | None:
+        """P(Energy | causes), as given; None where Energy is no node."""
+        return self.tables.get(ENERGY)
+
+    @property
     def causes(self) -> dict[str, np.ndarray]:
         """P(cause) [G], as given."""
         return {cause: self.tables[cause] for cause in self.structure.causes}
@@ -104,8 +109,9 @@ class GivenTables(TableSource):
         if PREVIOUS not in context or not depends_on_previous(self.structure):
             return self
         before = self.gaits.index(context[PREVIOUS])
-        after = {effect: self.tables[effect][:, :, before].copy() for effect in EFFECTS}
-        return GivenTables(self.joint, NAIVE, {"Gait": self.tables["Gait"], **after}, dict(context))
+        after = {effect: self.tables[effect][:, :, before].copy() for effect in self.structure.effects}
+        structure = NAIVE.with_energy() if self.structure.has_energy else NAIVE
+        return GivenTables(self.joint, structure, {"Gait": self.tables["Gait"], **after}, dict(context))
 
     def count(self, rows: pd.DataFrame) -> NoReturn:
         """Raise InputError: probabilities without counts cannot learn from further rows."""

@@ -5,12 +5,13 @@ pgmpy takes seconds to import, so it is imported inside the functions that need 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, EffectAxes
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.models.counting.cells import CountedCells
@@ -24,7 +25,7 @@ TOLERANCE = 1e-12
 
 def state_names(gaits: GaitRepertoire, axes: EffectAxes) -> dict[str, list[str]]:
     """Return the states of every variable in table order: gait names and bin labels."""
-    return {"Gait": list(gaits.names), **{axis.name: list(axis.labels) for axis in axes}}
+    return {"Gait": list(gaits.names), **{axis.name: list(axis.labels) for axis in axes.all}}
 
 
 def build(tables: dict[str, np.ndarray], states: dict[str, list[str]], edges: Structure = NAIVE) -> Any:
@@ -39,7 +40,7 @@ def build(tables: dict[str, np.ndarray], states: dict[str, list[str]], edges: St
     for cause in edges.causes:
         names = {cause: states[cause]}
         network.add_cpds(TabularCPD(cause, len(states[cause]), tables[cause][:, None], state_names=names))
-    for effect in EFFECTS:
+    for effect in edges.effects:
         parents = edges.parents(effect)
         names = {v: states[v] for v in (effect, *parents)}
         values = tables[effect].reshape(len(states[effect]), -1)
@@ -55,7 +56,7 @@ def structure(edges: Structure = NAIVE) -> Any:
     from pgmpy.models import DiscreteBayesianNetwork
 
     network = DiscreteBayesianNetwork(list(edges.edges))
-    network.add_nodes_from(VARIABLES)
+    network.add_nodes_from(("Gait", *edges.effects))
     return network
 
 
@@ -64,18 +65,33 @@ def fit_cells(table: CountedCells, states: dict[str, list[str]], prior: float, e
 
     Every cell is one row weighted by its count, which is all that the estimators use of the rows.
     """
-    from pgmpy.parameter_estimator import DiscreteBayesianEstimator, DiscreteMLE
-
     # State names are always given: pgmpy would drop unseen states and count what it saw. While it
     # counts they are plain numbers, which pandas groups twice as fast as labels.
     names = [name for name in table.names if name in (*VARIABLES, *edges.causes)]
+    return _fit(structure(edges.poses), names, table, states, prior)
+
+
+def fit_energy(counts: np.ndarray, causes: tuple[str, ...], states: dict[str, list[str]], prior: float) -> Any:
+    """Return the network causes -> Energy as pgmpy fits it to counts [E, ...causes]."""
+    from pgmpy.models import DiscreteBayesianNetwork
+
+    names = (ENERGY, *causes)
+    cells = np.argwhere(counts)
+    table = CountedCells(names, counts.shape, cells, counts[tuple(cells.T)])
+    return _fit(DiscreteBayesianNetwork([(cause, ENERGY) for cause in causes]), names, table, states, prior)
+
+
+def _fit(empty: Any, names: Sequence[str], table: CountedCells, states: dict[str, list[str]], prior: float) -> Any:
+    """A network as pgmpy's own estimators fit it to counted cells."""
+    from pgmpy.parameter_estimator import DiscreteBayesianEstimator, DiscreteMLE
+
     numbers = {name: list(range(table.size(name))) for name in names}
     if prior > 0:
         estimator = DiscreteBayesianEstimator(prior_type="dirichlet", pseudo_counts=prior, state_names=numbers)
     else:
         estimator = DiscreteMLE(state_names=numbers)
     rows = pd.DataFrame({name: table.indices([name])[0] for name in names})
-    network = structure(edges).fit(rows, estimator=estimator, sample_weight=table.counts)
+    network = empty.fit(rows, estimator=estimator, sample_weight=table.counts)
     for cpd in network.get_cpds():
         cpd.store_state_names(cpd.variables, cpd.cardinality, {name: states[name] for name in cpd.variables})
     return network

@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS, EffectAxes
+from bayeshunt.core.bins import EFFECTS, ENERGY, EffectAxes
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar
@@ -92,6 +93,31 @@ class TableSource(ABC):
     def causes(self) -> dict[str, np.ndarray]:
         """P(cause) [G] of each cause of the structure, PreviousGait first."""
 
+    @property
+    def energy(self) -> np.ndarray | None:
+        """P(Energy | causes) [E, ...causes], in alphabetical order; None where Energy is no node."""
+        return None
+
+    def marginal(self, effect: str) -> np.ndarray:
+        """Return P(effect | Gait) [K, G], all else summed over."""
+        if effect != ENERGY:
+            return self.effects.marginal(effect)
+        table = self.energy
+        assert table is not None
+        return table if table.ndim == 2 else np.asarray(table @ self.causes[PREVIOUS])
+
+    def evidence(self, distances: Any, angles: Any, headings: Any = None, energies: Any = None) -> np.ndarray:
+        """Return P(Gait, evidence) [..., G] for bin numbers, or arrays of them."""
+        found = self.effects.evidence(self.causes["Gait"], distances, angles, headings)
+        if energies is None:
+            return found
+        if not depends_on_previous(self.structure):
+            return np.asarray(found * self.marginal(ENERGY)[energies])
+        parts = [
+            self.given({PREVIOUS: name}).evidence(distances, angles, headings, energies) for name in self.gaits.names
+        ]
+        return np.asarray(np.tensordot(self.causes[PREVIOUS], np.stack(parts), axes=1))
+
     def pseudo_counts(self, variable: str) -> np.ndarray | float:
         """Dirichlet pseudo-counts behind P(variable | Gait): one for all cells, or [K, G]."""
         return self.prior
@@ -125,6 +151,12 @@ class TableSource(ABC):
     def cells(self) -> CountedCells:
         """The counts over every variable of the network."""
         return self.counted.table
+
+    def counts_of(self, variable: str) -> np.ndarray:
+        """Return the counts [K, ...parents] behind the network's own table of a variable."""
+        if variable == ENERGY:
+            return self.counted.spent
+        return self.cells.tabulate((variable, *self.structure.parents(variable)))
 
     def count(self, rows: pd.DataFrame) -> JointCounts | PreviousCounts:
         """Return the counts of further rows, of the kind of :attr:`counted`; DataError if they are wrong."""
@@ -172,11 +204,19 @@ class TableSource(ABC):
         seen = seen.joint if isinstance(seen, PreviousCounts) else seen
         if seen.axes.distance.bins > self.axes.distance.bins:
             return -math.inf
+        if self.axes.energy is not None and seen.axes.energy is not None and len(seen.spent) > self.axes.energy.bins:
+            return -math.inf
         with np.errstate(divide="ignore"):
             logs = np.log(self.causes["Gait"][seen.cells[:, 0]]) + self.effects.log_probability(seen.cells)
-        return float(np.sum(seen.counts * logs))
+            spent = np.log(self.marginal(ENERGY)) if seen.axes.energy is not None and self.energy is not None else None
+        total = float(np.sum(seen.counts * logs))
+        if spent is None:
+            return total
+        some = seen.spent > 0
+        return total + float(np.sum(seen.spent[some] * spent[: len(seen.spent)][some]))
 
     @property
     def local(self) -> dict[str, np.ndarray]:
         """The network's own tables: each cause [G], P(effect | parents) [K, ...parents] of each effect."""
-        return {**self.causes, **{effect: self.effects.local[effect] for effect in EFFECTS}}
+        energy = {} if self.energy is None else {ENERGY: self.energy}
+        return {**self.causes, **{effect: self.effects.local[effect] for effect in EFFECTS}, **energy}

@@ -17,7 +17,7 @@ from itertools import combinations
 import pandas as pd
 
 from bayeshunt.core.arguments import check_fields, checked
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.models.counting.cells import (
     MAX_TABLE_CELLS,
@@ -48,7 +48,8 @@ class Structure:
     """The edges of a network over Gait, the effects and perhaps the gait before.
 
     name: one of ``STRUCTURES``, or a name of your own, which model files and tables then show.
-    edges: (parent, child); children are effects, and there is no cycle.
+    edges: (parent, child); children are effects, and there is no cycle. Energy may be one: it depends on what all
+        the others depend on, Gait and perhaps PreviousGait, and nothing depends on it.
     Raises InputError for one of ``STRUCTURES`` misspelt, an edge that is not allowed, or a cycle.
     """
 
@@ -62,7 +63,7 @@ class Structure:
                 raise InputError(f"Structure: edges: expected pairs (parent, child) of names, got {shown(edge)}")
         _check_name(self.name, self.edges)
         for parent, child in self.edges:
-            if parent not in (*CAUSES, *EFFECTS) or child not in EFFECTS:
+            if parent not in (*CAUSES, *EFFECTS) or child not in (*EFFECTS, ENERGY):
                 raise InputError(f"structure {self.name}: the edge {parent} -> {child} is not allowed")
         # Sorted and unique, so that equal networks are equal values and equal bytes in a model file.
         object.__setattr__(self, "edges", tuple(sorted({(a, b) for a, b in self.edges}, key=_position)))
@@ -70,6 +71,9 @@ class Structure:
             tuple(TopologicalSorter({effect: self.parents(effect) for effect in EFFECTS}).static_order())
         except CycleError:
             raise InputError(f"structure {self.name}: the edges run in a circle") from None
+        if self.has_energy and self.parents(ENERGY) != self.with_energy().parents(ENERGY):
+            causes = " and ".join(self.poses.causes)
+            raise InputError(f"structure {self.name}: Energy depends on {causes} here, and on nothing else")
 
     @checked
     def parents(self, variable: str) -> tuple[str, ...]:
@@ -88,6 +92,31 @@ class Structure:
             raise InputError(f"structure {text!r}: expected a name and edges, {_EXAMPLE!r}")
         return cls(name.strip(), tuple((parent, child) for parent, child in ends))
 
+    @property
+    def has_energy(self) -> bool:
+        """Whether Energy is a node."""
+        return bool(self.parents(ENERGY))
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The effects: the three and, where it is a node, Energy."""
+        return (*EFFECTS, ENERGY) if self.has_energy else EFFECTS
+
+    @property
+    def poses(self) -> Structure:
+        """The same edges without Energy's."""
+        edges = tuple(edge for edge in self.edges if edge[1] != ENERGY)
+        return self if edges == self.edges else Structure(self.name, edges)
+
+    def with_energy(self) -> Structure:
+        """Return the same edges with Energy as a node: it depends on the gait, and on the gait before if others do."""
+        edges = self.poses.edges
+        causes = [cause for cause in CAUSES if cause == "Gait" or any(parent == cause for parent, _ in edges)]
+        made = object.__new__(Structure)  # its edges are right: the check of a new one would ask for them again
+        object.__setattr__(made, "name", self.name)
+        object.__setattr__(made, "edges", tuple(sorted((*edges, *((c, ENERGY) for c in causes)), key=_position)))
+        return made
+
     @cached_property
     def is_naive(self) -> bool:
         """True for the paper's network: every effect depends on the gait alone."""
@@ -100,7 +129,7 @@ class Structure:
 
     def describe(self) -> str:
         """Return the factors on one line: "P(Distance | Gait) P(Angle | Distance, Gait) ..."."""
-        factors = [(effect, ", ".join(self.parents(effect))) for effect in EFFECTS]
+        factors = [(effect, ", ".join(self.parents(effect))) for effect in self.effects]
         return " ".join(f"P({effect} | {given})" if given else f"P({effect})" for effect, given in factors)
 
 
@@ -117,7 +146,7 @@ def _check_name(name: str, edges: tuple[Edge, ...]) -> None:
 
 
 def _position(edge: Edge) -> tuple[int, int]:
-    order = (*CAUSES, *EFFECTS)
+    order = (*CAUSES, *EFFECTS, ENERGY)
     return order.index(edge[1]), order.index(edge[0])
 
 
@@ -157,7 +186,7 @@ def check_hunting(structure: str | Structure) -> None:
 
     With the gait before as a cause that is ``PREVIOUS_GAIT`` alone.
     """
-    if isinstance(structure, Structure) and depends_on_previous(structure) and structure != PREVIOUS_GAIT:
+    if isinstance(structure, Structure) and depends_on_previous(structure) and structure.poses != PREVIOUS_GAIT:
         raise InputError(
             f"structure {structure.name!r}: with {PREVIOUS} among the causes a forward model can be 'previous_gait' "
             "alone; choose that, or edges without it"

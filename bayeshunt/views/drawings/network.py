@@ -1,4 +1,4 @@
-"""The network as a drawing: its causes and its three effects, each with the distribution over its states."""
+"""The network as a drawing: its causes and its effects, each with the distribution over its states."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from bayeshunt.core.bins import EFFECTS, Axis
+from bayeshunt.core.bins import EFFECTS, ENERGY, Axis
 from bayeshunt.core.units import label, length, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.posterior import Posterior
@@ -29,16 +29,21 @@ _MOST_BARS = 120
 def marginals(model: ForwardModel) -> dict[str, np.ndarray]:
     """Return the distribution of every variable, "Gait" [G] and effects [K]: ``P(v) = sum_g P(g) P(v | g)``."""
     gait = model.probabilities("Gait")
-    return {"Gait": gait, **{effect: model.probabilities(effect) @ gait for effect in EFFECTS}}
+    return {"Gait": gait, **{effect: model.probabilities(effect) @ gait for effect in model.structure.effects}}
 
 
 def posteriors(answer: Posterior) -> dict[str, np.ndarray]:
-    """Return P(Gait | evidence) [G] and, where the heading was not observed, P(Heading | evidence) [K]."""
+    """Return P(Gait | evidence) [G] and P(v | evidence) [K] of Heading and Energy, where they were not observed."""
     cell, model = answer.cell, answer.model
-    if cell.heading_bin is not None:
-        return {"Gait": answer.values}
-    joint = model.evidence(cell.distance_bin, cell.angle_bin, np.arange(model.axes.heading.bins)).sum(axis=1)
-    return {"Gait": answer.values, "Heading": joint / joint.sum()}
+    at, heading, energy = (cell.distance_bin, cell.angle_bin), cell.heading_bin, cell.energy_bin
+    found = {"Gait": answer.values}
+    if heading is None:
+        joint = model.evidence(*at, np.arange(model.axes.heading.bins), energy).sum(axis=1)
+        found["Heading"] = joint / joint.sum()
+    if energy is None and (axis := model.axes.energy) is not None:
+        joint = np.array([model.evidence(*at, heading, number).sum() for number in range(axis.bins)])
+        found[ENERGY] = joint / joint.sum()
+    return found
 
 
 def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
@@ -46,13 +51,15 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
     shares, seen = marginals(model), {}
     if answer is not None:
         shares |= posteriors(answer)
-        bins = zip(EFFECTS, (answer.cell.distance_bin, answer.cell.angle_bin, answer.cell.heading_bin), strict=True)
-        seen = {effect: index for effect, index in bins if index is not None}
+        cell = answer.cell
+        bins = (cell.distance_bin, cell.angle_bin, cell.heading_bin, cell.energy_bin)
+        seen = {e: index for e, index in zip((*EFFECTS, ENERGY), bins, strict=True) if index is not None}
     shown = min(len(model.gaits), _MOST_GAITS)
     gait_height = 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
     before = PREVIOUS in model.known or depends_on_previous(model.structure)
     left_height = gait_height + (_GAP + _BEFORE if before else 0)
-    right_height = 3 * _NODE[1] + 2 * _GAP
+    effects = model.structure.effects
+    right_height = len(effects) * (_NODE[1] + _GAP) - _GAP
     height = max(left_height, right_height) + 4
     top = (height - left_height) / 2
     parts = [_gait_node(model, shares["Gait"], top, gait_height, answer is not None)]
@@ -61,7 +68,7 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
         causes[PREVIOUS] = top + left_height - _BEFORE / 2
         parts.append(_before_node(model, causes[PREVIOUS] - _BEFORE / 2))
     first = (height - right_height) / 2
-    for place, effect in enumerate(EFFECTS):
+    for place, effect in enumerate(effects):
         y = first + place * (_NODE[1] + _GAP)
         for cause, middle in causes.items():
             if cause in (*model.structure.parents(effect), *model.known):
@@ -182,4 +189,6 @@ def _ticks(axis: Axis) -> list[tuple[float, str, str]]:
         middle = (axis.bins // 2 + 0.5) / axis.bins
         return [(0, "start", "−180°"), (middle, "middle", "0°"), (1, "end", "180°")]
     far = float(axis.edges[-1])
+    if axis.name == ENERGY:
+        return [(0, "start", "0"), (0.5, "middle", f"{far / 2:.3g} J"), (1, "end", f"{far:.3g} J")]
     return [(0, "start", "0"), (0.5, "middle", length(far / 2)), (1, "end", length(far))]

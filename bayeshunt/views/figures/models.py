@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, ConnectionPatch
 
-from bayeshunt.core.bins import EFFECTS, Axis
+from bayeshunt.core.bins import ENERGY, Axis
 from bayeshunt.core.geometry import Polar, wrap
 from bayeshunt.core.units import degrees, label, length, true_minus
 from bayeshunt.models.body.forward import ForwardModel
@@ -136,10 +136,12 @@ def network(model: ForwardModel) -> Figure:
     boxes = {"Gait": gait_axes}
     if before:
         boxes[PREVIOUS] = _gait_before(figure, model)
-    for place, effect in enumerate(EFFECTS):
-        axes = boxes[effect] = figure.add_axes((0.6, 0.765 - 0.305 * place, 0.37, 0.17))
+    effects = model.structure.effects
+    share = 0.915 / len(effects)  # of the height that each effect has, title and labels included
+    for place, effect in enumerate(effects):
+        axes = boxes[effect] = figure.add_axes((0.6, 0.935 - 0.17 - share * place, 0.37, 0.17 * 3 / len(effects)))
         _effect_bars(axes, model.axes[effect], model.probabilities(effect) @ shares)
-    known = [(cause, effect) for cause in model.known for effect in EFFECTS]
+    known = [(cause, effect) for cause in model.known for effect in effects]
     for parent, child in (*model.structure.edges, *known):
         _edge(figure, boxes[parent], boxes[child], parent in CAUSES)
     causes = " ".join(f"P({cause})" for cause in model.structure.causes)
@@ -164,9 +166,9 @@ def _effect_bars(axes: Axes, axis: Axis, shares: np.ndarray) -> None:
         _degrees(axes, "", grid=False)
         unit = "° clockwise"
     else:
-        axes.bar(axis.centres * 1000, shares, width=axis.width * 900, color=BAR)
-        axes.set_xlim(0, float(axis.edges[-1]) * 1000)
-        unit = "mm"
+        scale, unit = (1.0, "J") if axis.name == ENERGY else (1000.0, "mm")
+        axes.bar(axis.centres * scale, shares, width=0.9 * axis.width * scale, color=BAR)
+        axes.set_xlim(0, float(axis.edges[-1]) * scale)
     axes.set_title(f"P({axis.name}), {unit}")
     axes.locator_params(axis="y", nbins=3)
 

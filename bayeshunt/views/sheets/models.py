@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.bins import EFFECTS
+from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.errors import ZeroCountError
 from bayeshunt.core.units import degrees, length
 from bayeshunt.episodes.tracing import trace_answer
@@ -37,7 +37,7 @@ def forward_model(model: ForwardModel) -> Sheet:
     """Return the network with its marginals and every table; in text a row per gait, its columns as sparklines."""
     title, pairs = f"Forward model: {grounds.description(model)}", _facts(model)
     try:
-        tables = [model.table(variable) for variable in (*EFFECTS, "Gait")]
+        tables = [model.table(variable) for variable in (*model.structure.effects, "Gait")]
     except ZeroCountError as error:
         return Sheet(title, _origin(model), pairs, [Note(f"Nothing to show yet: {error}.")])
     note = Note(grounds.SUMMED_OVER) if depends_on_previous(model.structure) else None
@@ -50,7 +50,7 @@ def forward_model(model: ForwardModel) -> Sheet:
 
 
 def _facts(model: ForwardModel) -> list[tuple[str, object]]:
-    bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes)
+    bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes.all)
     if not model.has_counts:
         return [("gaits", len(model.gaits)), ("bins", bins), ("counts and intervals", "unknown")]
     motion = model.source.residual_of
@@ -78,14 +78,14 @@ def _origin(model: ForwardModel) -> str:
 
 def _gaits(model: ForwardModel) -> Table:
     """A row per gait: rows, mean outcome, and its three columns as sparklines."""
-    columns = {effect: model.probabilities(effect) for effect in EFFECTS}
+    columns = {effect: model.probabilities(effect) for effect in model.structure.effects}
     # Of an imported network nobody knows the rows: no column rather than one of zeros.
     counts = model.joint.marginal("Gait").tolist() if model.has_counts else None
     rows = []
     for i, name in enumerate(model.gaits.names):
-        sparks = (spark(columns[effect][:, i]) for effect in EFFECTS)
+        sparks = (spark(columns[effect][:, i]) for effect in columns)
         rows.append([name, *([] if counts is None else [counts[i]]), _outcome(model, i), *sparks])
-    heads = ["gait", *([] if counts is None else ["rows"]), "mean outcome", *EFFECTS]
+    heads = ["gait", *([] if counts is None else ["rows"]), "mean outcome", *columns]
     words = frozenset(i for i, name in enumerate(heads) if name != "rows")
     return Table(heads, rows, words=words, most=len(rows))
 
@@ -184,7 +184,8 @@ def _opened(answer: Posterior) -> Html:
 def _explanation(answer: Posterior) -> Table:
     """``answer.explain()`` as a table."""
     frame = answer.explain()
-    columns = [c for c in ("prior", *EFFECTS) if c != "Heading" or answer.heading is not None]
+    asked = {"Heading": answer.heading, ENERGY: answer.energy}
+    columns = [c for c in ("prior", *answer.model.structure.effects) if asked.get(c, 0.0) is not None]
     rows = [
         [gait, facts["reference"], *(number(facts[c]) for c in columns), number(facts["log_odds"])]
         for gait, facts in zip(frame.index, frame.to_dict("records"), strict=True)

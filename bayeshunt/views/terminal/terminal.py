@@ -272,7 +272,8 @@ def posterior_bars(answer: Any) -> None:
 def explanation_table(answer: Any) -> None:
     """Print what each variable said of each gait: log-odds against the best of the others, part by part."""
     frame = answer.explain()
-    parts = ["prior", "Distance", "Angle", *(["Heading"] if answer.heading is not None else []), "log_odds"]
+    said = [*(["Heading"] if answer.heading is not None else []), *(["Energy"] if answer.energy is not None else [])]
+    parts = ["prior", "Distance", "Angle", *said, "log_odds"]
     out.print()
     out.print(Text("What each variable said", style="bold"))
     table = TextTable(word("gait"), word("compared with"), *(part.replace("_", "-") for part in parts))
