@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -125,7 +126,8 @@ def _mean_path(model: ForwardModel, gait: int) -> np.ndarray:
 @styled
 def network(model: ForwardModel) -> Figure:
     """Return the network (the paper's figure 1b): its edges, and the distribution over each variable."""
-    figure = Figure(figsize=(7.2, _height(model, 4.2)))
+    effects = model.structure.effects
+    figure = Figure(figsize=(7.2, _height(model, 1.4 * len(effects))))
     before = PREVIOUS in model.known or depends_on_previous(model.structure)
     gait_axes = figure.add_axes((0.15, 0.34, 0.19, 0.52) if before else (0.15, 0.18, 0.19, 0.68))
     shares = model.probabilities("Gait")
@@ -136,16 +138,16 @@ def network(model: ForwardModel) -> Figure:
     boxes = {"Gait": gait_axes}
     if before:
         boxes[PREVIOUS] = _gait_before(figure, model)
-    effects = model.structure.effects
-    share = 0.915 / len(effects)  # of the height that each effect has, title and labels included
+    share, tall = 0.915 / len(effects), 0.51 / len(effects)  # of the height: an effect with its labels, its bars
     for place, effect in enumerate(effects):
-        axes = boxes[effect] = figure.add_axes((0.6, 0.935 - 0.17 - share * place, 0.37, 0.17 * 3 / len(effects)))
+        axes = boxes[effect] = figure.add_axes((0.6, 0.935 - tall - share * place, 0.37, tall))
         _effect_bars(axes, model.axes[effect], model.probabilities(effect) @ shares)
     known = [(cause, effect) for cause in model.known for effect in effects]
     for parent, child in (*model.structure.edges, *known):
         _edge(figure, boxes[parent], boxes[child], parent in CAUSES)
     causes = " ".join(f"P({cause})" for cause in model.structure.causes)
-    figure.text(0.02, 0.03, f"{causes} {grounds.description(model)}", fontsize=6.5 if before else 8.5, color=FAINT)
+    said = textwrap.fill(f"{causes} {grounds.description(model)}", 130 if before else 110)
+    figure.text(0.02, 0.03 if "\n" not in said else 0.01, said, fontsize=6.5 if before else 8.5, color=FAINT)
     return figure
 
 
