@@ -226,7 +226,7 @@ def test_many_variables_are_not_listed_all(tmp_path: Path) -> None:
     said = refusal(tmp_path / "net.bif")
     assert said == (
         ": the variables are Angle, Distance, Gait, Heading, V000 and 408 more; "
-        "expected exactly Gait, Distance, Angle, Heading (and perhaps PreviousGait)"
+        "expected exactly Gait, Distance, Angle, Heading (and perhaps PreviousGait, Energy)"
     )
 
 
