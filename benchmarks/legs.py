@@ -28,6 +28,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
@@ -38,6 +39,7 @@ from bayeshunt.experiments.run.runner import evaluate
 from bayeshunt.experiments.scores import mean_interval, wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.views.figures.sweep import sweep_figure
 from bayeshunt.worlds.babbling import babble
 from benchmarks import legs_physics, legs_tables
 
@@ -189,19 +191,41 @@ def counter(hunts: Hunts) -> Iterator[str]:
     yield table(["planning", "naive", "previous_gait", "only previous / only naive, p"], lines)
 
 
+_DEPTHS, _SECONDS = (1, 2, 4, 6, 10), (0.0, 0.005, 0.02)
+
+
+def _thought(hunts: Hunts, depth: int, seconds: float) -> pd.DataFrame:
+    slow = {"protocol.thinking": "nodes", "protocol.seconds_per_node": seconds} if seconds else {}
+    return hunts.of(Row("planning", given={"planner.planning.depth": depth, **slow}))
+
+
 def thinking(hunts: Hunts) -> Iterator[str]:
     """Yield success over depth where a node takes no time, 5 ms and 20 ms."""
-    depths, lines = (1, 2, 4, 6, 10), []
-    for seconds in (0.0, 0.005, 0.02):
-        slow = {"protocol.thinking": "nodes", "protocol.seconds_per_node": seconds} if seconds else {}
-        rows = [hunts.of(Row("planning", given={"planner.planning.depth": d, **slow})) for d in depths]
+    lines = []
+    for seconds in _SECONDS:
+        rows = [_thought(hunts, depth, seconds) for depth in _DEPTHS]
         shares = [int(row["caught"].sum()) for row in rows]
         best = int(np.argmax(shares))
         cells = [f"**{100 * s / len(r):.0f}**" if i == best else f"{100 * s / len(r):.0f}"
                  for i, (s, r) in enumerate(zip(shares, rows, strict=True))]  # fmt: skip
         lines.append([f"{1000 * seconds:g} ms", *cells, caught(rows[best]), paired(rows[best], rows[-1])[0]])
-    heads = ["a node", *(f"depth {d}" for d in depths), "the best depth", "only it / only depth 10, p"]
+    heads = ["a node", *(f"depth {d}" for d in _DEPTHS), "the best depth", "only it / only depth 10, p"]
     yield table(heads, lines)
+
+
+def thinking_frame(hunts: Hunts) -> pd.DataFrame:
+    """Return the same as a sweep has it, for its figure: a line per time that a node takes."""
+    records = []
+    for seconds in _SECONDS:
+        for depth in _DEPTHS:
+            row = _thought(hunts, depth, seconds)
+            chance, time = wilson_interval(int(row["caught"].sum()), len(row)), mean_interval(row["time"].to_numpy())
+            records.append({
+                "planner.planning.depth": depth, "arena": "open", "planner": f"{1000 * seconds:g} ms a node",
+                "success": row["caught"].mean(), "ci_low": chance[0], "ci_high": chance[1],
+                "mean_time_s": row["time"].mean(), "mean_time_s_low": time[0], "mean_time_s_high": time[1],
+            })  # fmt: skip
+    return pd.DataFrame(records)
 
 
 def belief(hunts: Hunts) -> Iterator[str]:
@@ -253,6 +277,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=30, help="hunts of each of the seven bearings")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the hunts there")
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="draw success over depth, of section thinking")
     options = parser.parse_args()
     hunts = Hunts(options.runs, options.seed, options.keep)
     for name in options.sections or SECTIONS:
@@ -260,6 +285,9 @@ def main() -> None:
         for text in SECTIONS[name](hunts):
             print(f"\n## {name}\n\n{text}", flush=True)
         print(f"\n{time.process_time() - started:.0f} s of processor time", flush=True)
+    if options.figure is not None:
+        with mpl.rc_context({"font.family": "DejaVu Sans"}):
+            sweep_figure(thinking_frame(hunts)).savefig(options.figure, dpi=150)
 
 
 if __name__ == "__main__":
