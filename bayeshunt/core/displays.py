@@ -15,7 +15,7 @@ from bayeshunt.core.errors import InputError
 if TYPE_CHECKING:
     import os
 
-__all__ = ["Displayed", "arrange", "bundle", "save", "to_html", "to_text", "widget"]
+__all__ = ["Bundled", "Displayed", "arrange", "bundle", "save", "to_html", "to_text", "widget"]
 
 #: Module that offers ``to_html(thing)`` and ``to_text(thing)``; None: nobody draws.
 _drawer: str | None = None
@@ -64,6 +64,16 @@ def widget(thing: Any) -> Any:
 def bundle(thing: Any, **options: Any) -> Any:
     """Return what a notebook shows of a thing that has a widget: it, and what else there is where no kernel runs."""
     return None if _drawer is None else import_module(_drawer).bundle(thing, **options)
+
+
+class Bundled:
+    """A thing whose widget is to be shown where a notebook would take its card: marimo prefers ``_repr_html_``."""
+
+    def __init__(self, thing: Any) -> None:
+        self.thing = thing
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        return bundle(self.thing, **options)
 
 
 def save(thing: Any, path: str | os.PathLike[str]) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 
-__all__ = ["degrees", "label", "length", "objective", "speed", "theta", "true_minus"]
+__all__ = ["bounds", "degrees", "label", "length", "objective", "speed", "theta", "true_minus"]
 
 _BIN_IN_DEGREES = re.compile(r"(-?[\d.]+) deg")
 
@@ -42,6 +42,11 @@ def theta(bearing: float) -> str:
 def label(bin_name: str) -> str:
     """Return the name of a bin as people read it: "-10 deg" becomes "-10°"; others stay."""
     return _BIN_IN_DEGREES.sub(r"\1°", bin_name) if _BIN_IN_DEGREES.fullmatch(bin_name) else bin_name
+
+
+def bounds(low: float, high: float) -> str:
+    """Return the interval of a probability to two decimals, rounded outwards so that what lies inside does in print."""
+    return f"{math.floor(100 * low + 1e-9) / 100:g} to {math.ceil(100 * high - 1e-9) / 100:g}"
 
 
 def true_minus(text: str) -> str:

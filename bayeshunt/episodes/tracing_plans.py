@@ -40,17 +40,32 @@ class PlanTrace(displays.Displayed):
     def formula(self) -> str:
         """What the value is, with its numbers, and what it is of the means where the trace has them."""
         said = f"{self.plan.objective}: {self.plan.value:.6g}, the least of {self.plan.nodes} alternatives"
+        if self.means is None:
+            return said
+        hunter, prey, gap = self.means
+        return (
+            f"{said}; after {self.steps} gaits the mean hunter is at ({hunter[0]:.4g}, {hunter[1]:.4g}) m and the prey "
+            f"expected at ({prey[0]:.4g}, {prey[1]:.4g}) m, {gap:.4g} m apart"
+        )
+
+    @property
+    def steps(self) -> int:
+        """Gaits of the chosen sequence."""
+        return int(self.branch.iloc[-1]["T"]) if "T" in self.branch else len(self.plan.gaits)
+
+    @property
+    def means(self) -> tuple[tuple[float, float], tuple[float, float], float] | None:
+        """Where hunter and prey are expected at the end, forward and right of the hunter now, and their gap [m].
+
+        None where the trace has no such places.
+        """
         last = self.branch.iloc[-1]
         names = ("hunter_forward", "hunter_right", "prey_distance", "prey_angle")
         if not {*names} <= set(self.branch.columns):
-            return said
+            return None
         ahead, right, far, angle = (float(last[name]) for name in names)
-        gap = np.hypot(ahead - far * np.cos(angle), right - far * np.sin(angle))
-        steps = int(last["T"])
-        return (
-            f"{said}; after {steps} gaits the mean hunter is at ({ahead:.4g}, {right:.4g}) m and the prey expected at "
-            f"({far * np.cos(angle):.4g}, {far * np.sin(angle):.4g}) m, {gap:.4g} m apart"
-        )
+        prey = (float(far * np.cos(angle)), float(far * np.sin(angle)))
+        return (ahead, right), prey, float(np.hypot(ahead - prey[0], right - prey[1]))
 
     @property
     def cells(self) -> pd.DataFrame:

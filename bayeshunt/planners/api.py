@@ -80,6 +80,7 @@ class Future:
 
 
 _UNKNOWN = Task()
+_LEVEL = "a probability between 0 and 1"
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,8 @@ class Situation:
     map: the walls and obstacles that the hunter knows of. camera: what its camera sees, and where it looks.
     approaches: of each of ``transitions``, where the hunter was when it began, in the same frame of the prey; empty if
         that is not known.
+    interval: the level, in (0, 1), at which a planner that asks its inverse model is to say how sure the posterior is:
+        its trace then has the ends, low and high (``answer.interval``). None: not asked.
 
     Raises InputError, naming the argument, for one of another kind or out of range.
     """
@@ -123,6 +126,7 @@ class Situation:
     map: object | None = None
     camera: object | None = None
     approaches: tuple[Polar, ...] = ()
+    interval: float | None = None
 
     def __post_init__(self) -> None:
         if not _in_range(self.prey):
@@ -147,6 +151,8 @@ class Situation:
             for transition in self.transitions:
                 check_kind(transition, "transitions", Polar, "a list of Polar")
             object.__setattr__(self, "transitions", tuple(self.transitions))
+        if self.interval is not None and not 0.0 < check_number(self.interval, "interval", _LEVEL) < 1.0:
+            raise InputError(f"interval: expected {_LEVEL}, got {self.interval}")
         check_kind(self.task, "task", Task, "a Task, with a catch distance [m] and a time limit [s]")
 
     def need(self, measure: str) -> float:
@@ -192,7 +198,8 @@ class Plan(displays.Displayed):
     nodes: number of alternatives considered, the rows of ``trace``. expansions: nodes expanded.
     make_trace: called without arguments, gives ``trace``: a DataFrame with a row per node; default: one row.
         Displays know the columns gait and value (value_m in metres, value_s in seconds) and, of a search tree, node,
-        parent, T (gaits so far) and chosen; others are shown as they are.
+        parent, T (gaits so far) and chosen, and of a posterior low and high, the ends of its interval; others are
+        shown as they are.
     target: where the hunter aims, as it sees it now; its heading is NaN where the prey's there is not known.
     evidence_probability: P(Distance, Angle) of the target's learned cell; None if not asked.
     support: babbling rows in that cell; None if not asked, or if unknown (an imported network).

@@ -49,6 +49,29 @@ GAITS = {
 #: Up to this bearing of its end [rad] a gait counts as straight.
 _STRAIGHT_UP_TO = 0.05
 
+#: What stands above a display under each theme of a notebook: light and dark of JupyterLab, VS Code, marimo.
+_THEMES = (
+    ('[data-jp-theme-light="true"]', '[data-jp-theme-light="false"]'),
+    ("body.vscode-light", "body.vscode-dark"),
+    ("body.light-theme", "body.dark-theme"),
+    (".marimo>.light", ".marimo>.dark"),
+)
+#: Backgrounds of a box that scrolls: a shadow at every edge beyond which there is more. A cover moves with the content
+#: and hides the shadow where that ends (L. Verou, Pure CSS scrolling shadows with background-attachment: local, 2012).
+_EDGES = ",".join(
+    f"linear-gradient(to {away},{colours}) {edge}/{size} no-repeat {attached}"
+    for colours, deep, attached in (
+        ("var(--bh-paper) 10px,transparent", "26px", "local"),
+        ("color-mix(in srgb,var(--bh-wall) 60%,transparent),transparent", "10px", "scroll"),
+    )
+    for edge, away, size in (
+        ("left", "right", f"{deep} 100%"),
+        ("right", "left", f"{deep} 100%"),
+        ("top", "bottom", f"100% {deep}"),
+        ("bottom", "top", f"100% {deep}"),
+    )
+)
+
 _RULES = """
 .bh{background:var(--bh-paper);color:var(--bh-ink);border:1px solid var(--bh-line);border-radius:8px;
  padding:12px 14px;margin:2px 0 8px;max-width:980px;position:relative;box-sizing:border-box;
@@ -65,12 +88,12 @@ _RULES = """
 .bh svg text{fill:var(--bh-ink);font:12px system-ui,-apple-system,"Segoe UI",Roboto,sans-serif}
 .bh svg .bh-faint{fill:var(--bh-faint)}
 .bh .bh-scroll{overflow:auto;max-height:26em;width:fit-content;max-width:100%;
- border:1px solid var(--bh-line);border-radius:6px}
+ border:1px solid var(--bh-line);border-radius:6px;background:var(--bh-edges),var(--bh-paper)}
 .bh table{border-collapse:separate;border-spacing:0;margin:0;font-size:12px;font-variant-numeric:tabular-nums;
- color:var(--bh-ink);background:var(--bh-paper);border:0;table-layout:auto}
+ color:var(--bh-ink);background:none;border:0;table-layout:auto}
 .bh th,.bh td{padding:2px 8px;text-align:right;white-space:nowrap;border:0;
  border-bottom:1px solid var(--bh-panel);max-width:none;color:var(--bh-ink)}
-.bh tbody tr,.bh tbody tr:nth-child(odd),.bh tbody tr:hover{background:var(--bh-paper)}
+.bh tbody tr,.bh tbody tr:nth-child(odd),.bh tbody tr:hover{background:none}
 .bh thead th{position:sticky;top:0;z-index:2;background:var(--bh-panel);font-weight:600;vertical-align:bottom;
  border-bottom:1px solid var(--bh-line)}
 .bh thead td{position:sticky;top:0;z-index:2;background:var(--bh-panel);border-bottom:1px solid var(--bh-line)}
@@ -108,13 +131,17 @@ _RULES = """
 .bh .bh-bar{display:block;height:12px;border-radius:2px;background:var(--bh-bar);min-width:1px}
 .bh tr.bh-lit .bh-bar{background:var(--bh-chosen)}
 .bh .bh-track{width:220px}
+.bh .bh-strips{display:grid;grid-template-columns:max-content minmax(0,420px);gap:2px 6px;align-items:center;
+ margin:0 0 6px;font-size:12px;line-height:12px;color:var(--bh-faint);text-align:right}
+.bh .bh-strips svg{width:100%;height:12px;background:var(--bh-panel)}
+@media(max-width:520px){.bh .bh-bars .bh-track{min-width:72px}.bh .bh-bars th,.bh .bh-bars td{padding:2px 4px}
+ .bh .bh-bars thead th:last-child{white-space:normal}}
 .bh .bh-scale{position:relative;min-height:12px}
 .bh .bh-whisker{position:absolute;top:5px;height:2px;min-width:2px;background:currentColor}
 .bh .bh-tornado{display:inline-flex;flex-wrap:wrap;gap:2px 10px;align-items:center;vertical-align:middle}
-.bh .bh-wide{overflow-x:auto;background:
- linear-gradient(to left,var(--bh-paper),transparent 24px) right/24px 100% no-repeat local,
- linear-gradient(to left,var(--bh-wall),transparent 10px) right/10px 100% no-repeat scroll}
-@media(max-width:520px){.bh .bh-wide svg{max-width:none;width:690px}}
+.bh .bh-phone{display:none}
+@media(max-width:520px){.bh .bh-phone{display:block}.bh .bh-desk{display:none}}
+.bh .bh-scroll+.bh-scroll{margin-top:10px}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}
@@ -129,14 +156,14 @@ _RULES = """
 def palette(selector: str) -> str:
     """Return the rules that give ``selector`` all colours as ``--bh-...``, light or dark as the system or notebook is.
 
-    JupyterLab's and VS Code's own themes win over the system's.
+    JupyterLab's, VS Code's and marimo's own themes win over the system's; marimo's widgets stand in a shadow root.
     """
     light, dark = (_variables(shade) for shade in (0, 1))
-    return (
-        f"{selector}{{{light}}}\n@media (prefers-color-scheme:dark){{{selector}{{{dark}}}}}\n"
-        f'[data-jp-theme-light="true"] {selector},body.vscode-light {selector}{{{light}}}\n'
-        f'[data-jp-theme-light="false"] {selector},body.vscode-dark {selector}{{{dark}}}\n'
-    )
+    chosen = [
+        ",".join(f"{above} {selector}" for above in theme) + f"{{{values}}}\n"
+        for theme, values in zip(zip(*_THEMES, strict=True), (light, dark), strict=True)
+    ]
+    return f"{selector}{{{light}}}\n@media (prefers-color-scheme:dark){{{selector}{{{dark}}}}}\n" + "".join(chosen)
 
 
 def style() -> str:
@@ -152,7 +179,7 @@ def _variables(shade: int) -> str:
     values |= {f"planner-{index}": pair[shade] for index, pair in enumerate(PLANNERS, start=1)}
     values |= {f"{side}-{rank}": pair[shade] for side, pairs in GAITS.items() for rank, pair in enumerate(pairs)}
     scheme = "color-scheme:" + ("light", "dark")[shade]
-    return ";".join([scheme, *(f"--bh-{name}:{value}" for name, value in values.items())])
+    return ";".join([scheme, *(f"--bh-{name}:{value}" for name, value in values.items()), f"--bh-edges:{_EDGES}"])
 
 
 def gait_names(turns: Iterable[float]) -> list[tuple[str, int]]:

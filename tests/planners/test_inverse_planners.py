@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from planner_cases import BODY, babble, situations
 
+import bayeshunt as bh
+from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar
 from bayeshunt.data.babbling_table import discretise
 from bayeshunt.models.target.prey import PreyModel
@@ -49,6 +52,27 @@ def check_against_hand(found, model) -> None:
     assert (trace["angle_bin"] == cell[1]).all()
     assert (trace["support"] == found.support).all()
     assert found.support >= 1
+
+
+@pytest.mark.parametrize("name", ["reactive", "prediction"])
+def test_a_planner_may_ask_how_sure_its_posterior_is(model, name):
+    planner = make_planner(name, model)
+    for situation in situations(5):
+        found, same = plan(planner, replace(situation, interval=0.9)), plan(planner, situation)
+        ends = found.answer.interval(0.9)
+        assert found.trace["low"].tolist() == ends["low"].tolist()
+        assert found.trace["high"].tolist() == ends["high"].tolist()
+        assert found.trace.drop(columns=["low", "high"]).equals(same.trace)
+        assert (found.gait, found.value) == (same.gait, same.value)
+    with pytest.raises(InputError, match=r"interval: expected a probability between 0 and 1, got 1\.0"):
+        replace(situation, interval=1.0)
+
+
+def test_nobody_knows_how_sure_an_imported_network_is(model, tmp_path):
+    model.to_xmlbif(tmp_path / "model.xmlbif")
+    imported = bh.import_network(tmp_path / "model.xmlbif")
+    with pytest.raises(InputError, match="no counts"):
+        plan(make_planner("reactive", imported), replace(situations(1)[0], interval=0.9))
 
 
 def test_reactive_is_the_argmax_of_the_posterior_at_the_preys_position(model):

@@ -264,7 +264,7 @@ def test_edges_among_effects_are_drawn(shown) -> None:
         return len(check(network.network(model)).find("polygon"))
 
     for model in (shown.model, shown.tree, shown.joint):
-        assert arrows(model) == len(model.structure.edges)
+        assert arrows(model) == 2 * len(model.structure.edges)  # beside each other, and stacked for a phone
 
 
 def test_answers_show_what_they_rest_on(shown) -> None:
@@ -401,8 +401,9 @@ def test_every_node_can_be_walked_to(shown) -> None:
 def test_a_plan_without_a_tree_shows_its_posterior(shown) -> None:
     page = check(shown.aim._repr_html_())
     rows = [e["text"] for e in page.find("tr")][1:]
-    for gait, share in zip(shown.aim.trace["gait"], shown.aim.posterior, strict=True):
-        assert f"{gait}{share:.4f}" in rows
+    ends = zip(*shown.aim.answer.interval()[["low", "high"]].to_numpy().T, strict=True)
+    for gait, share, (low, high) in zip(shown.aim.trace["gait"], shown.aim.posterior, ends, strict=True):
+        assert f"{gait}{share:.4f} ({units.bounds(low, high)})" in rows
 
 
 def test_other_traces_are_shown_as_they_are(shown) -> None:
@@ -549,8 +550,8 @@ def test_bins_that_nothing_fell_into_take_no_room_and_every_column_is_seen_at_on
     counts = table.count.to_numpy().sum(axis=1)
     assert html.count('class="bh-none"') == (counts == 0).sum() > 0
     assert "Where each column has its weight" in html
-    strips = html.split("Where each column has its weight")[1].split("</svg>")[0]
-    assert strips.count("<text") == len(table.probability.columns)
+    strips = html.split("Where each column has its weight")[1].split("</div>")[0]
+    assert strips.count("<span") == strips.count("<svg") == len(table.probability.columns)
 
 
 def test_an_unsure_coordinate_is_pale_in_the_inverse_map(khepera_model):

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from typer.testing import CliRunner
 
 import bayeshunt as bh
 from bayeshunt.cli import app
-from bayeshunt.views.sheets.sheet import Bars, bounds
+from bayeshunt.core.units import bounds
+from bayeshunt.views.sheets.sheet import Bars
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +42,29 @@ def test_text_and_card_show_the_interval(answer):
         assert said in shown
         assert "one row: not sure" in shown
     assert answer._repr_html_().count('class="bh-whisker"') == len(answer.values)
+
+
+def test_the_shortest_form_shows_it_too(answer):
+    low = answer.interval().loc[answer.best, "low"]
+    assert f"{answer.best} 1.000 ({math.floor(100 * low) / 100:g} to 1)" in repr(answer)
+    assert repr(answer).endswith("1 row>")
+
+
+@pytest.mark.parametrize("planner", ["reactive", "prediction"])
+def test_a_decision_shows_it(model, planner):
+    """Of the answer that the plan carries; where it came from another process, as its trace has it."""
+    asked = bh.make_planner(planner, model)
+    episode = bh.hunt("paper", asked, seed=3)
+    again = dataclasses.replace(episode.situations[1], interval=0.5)
+    plans = [episode.plans[1], asked.plan(again, rng=np.random.default_rng(0))]
+    wide, narrow = plans[0].answer.interval(), plans[1].answer.interval(0.5)
+    assert wide["low"][plans[0].gait] < narrow["low"][plans[0].gait]
+    for plan, ends in ((plans[0], wide), (plans[1], narrow), (pickle.loads(pickle.dumps(plans[1])), narrow)):
+        said = f"{plan.value:.4f} ({bounds(*ends.loc[plan.gait, ['low', 'high']])})"
+        for shown in (str(plan), plan._repr_html_()):
+            assert said in shown
+        assert plan._repr_html_().count('class="bh-whisker"') == len(model.gaits)
+    assert 'class="bh-whisker"' not in pickle.loads(pickle.dumps(plans[0]))._repr_html_()
 
 
 def test_without_intervals_there_are_no_whiskers():

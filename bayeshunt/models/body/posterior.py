@@ -238,9 +238,12 @@ class Posterior(NamedTuple):
 
     def __repr__(self) -> str:
         evidence = ", ".join(f"{name} {units.label(label)}" for name, label in self.evidence.items())
-        best = float(self.values.max())
-        support = "support unknown" if self.support is None else f"{self.support} rows"
-        return f"<Posterior: {self.best} {best:.3f} given {evidence}{self._snap()}; {support}>"
+        best = f"{self.best} {float(self.values.max()):.3f}"
+        if self.support is None:
+            return f"<Posterior: {best} given {evidence}{self._snap()}; support unknown>"
+        low, high = self.interval().loc[self.best, ["low", "high"]]
+        rows = "1 row" if self.support == 1 else f"{self.support} rows"
+        return f"<Posterior: {best} ({units.bounds(low, high)}) given {evidence}{self._snap()}; {rows}>"
 
     def _snap(self) -> str:
         """What was asked and how far off the answer is, as short as can be; "" unless snapped."""

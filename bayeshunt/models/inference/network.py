@@ -199,6 +199,10 @@ class Network(displays.Displayed):
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return displays.bundle(self, **options)
 
+    def _display_(self) -> Any:
+        """What marimo asks for first."""
+        return displays.Bundled(self)
+
     def __repr__(self) -> str:
         return f"<Network: {len(self.nodes)} nodes, {len(self.edges)} edges>"
 

@@ -49,4 +49,4 @@ class PredictionPlanner(Shown):
         path, known = predict_prey(situation, steps)
         target = Polar(*(float(values[-1]) for values in path))
         inverse = self.inverse.after(situation.previous_gait)
-        return aim(inverse, self.gaits, target, prey_known=known, predicted_prey=path)
+        return aim(inverse, self.gaits, target, situation.interval, prey_known=known, predicted_prey=path)

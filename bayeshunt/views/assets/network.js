@@ -252,6 +252,8 @@ class NetworkView {
       for (const { box } of this.cards) box.style.left = box.style.top = box.style.width = "";
       return;
     }
+    const least = this.columns.length * (wide + 60) - 60;
+    this.root.classList.toggle("below", !many && room < least + 320); // what is said of the node asked
     const between = many ? 28 : Math.max(60, Math.min(140, (this.parts.stage.clientWidth - this.columns.length * wide) / this.columns.length));
     for (const { box } of this.cards) box.style.width = `${wide}px`;
     const heights = this.cards.map(({ box }) => box.offsetHeight);

@@ -40,7 +40,7 @@ class Window(NamedTuple):
         across, up = np.asarray(across, dtype=float), np.asarray(up, dtype=float)
         wide, tall = max(np.ptp(across), least), max(np.ptp(up), least)
         scale = (size - 2 * _MARGIN) / max(wide, tall)
-        width = max(wide * scale + 2 * _MARGIN, 270.0)
+        width = max(wide * scale + 2 * _MARGIN, 300.0)  # room for the ruler and the legend
         left = (across.min() + across.max()) / 2 - (width / 2 - _MARGIN) / scale
         top = (up.min() + up.max() + tall) / 2
         return cls(left, top, scale, width, tall * scale + 2 * _MARGIN + 14)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ _LEFT = 282  # width of the Gait node
 _RIGHT = _WIDTH - _NODE[0] - 20  # where the effects' nodes start
 _ROW = 16  # height of a gait's bar
 _BEFORE = 52  # height of the PreviousGait node
+_SPINE = 24  # room for the edges to the left of stacked nodes
 _MOST_GAITS = 16
 _MOST_BARS = 120
 
@@ -54,9 +56,13 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
         cell = answer.cell
         bins = (cell.distance_bin, cell.angle_bin, cell.heading_bin, cell.energy_bin)
         seen = {e: index for e, index in zip((*EFFECTS, ENERGY), bins, strict=True) if index is not None}
-    shown = min(len(model.gaits), _MOST_GAITS)
-    gait_height = 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
-    before = PREVIOUS in model.known or depends_on_previous(model.structure)
+    beside, stacked = _beside(model, shares, seen, answer), _stacked(model, shares, seen, answer)
+    return tag("div", tag("div", beside, class_="bh-desk"), tag("div", stacked, class_="bh-phone"))
+
+
+def _beside(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, int], answer: Any) -> Html:
+    """The effects to the right of their causes."""
+    gait_height, before = _gait_height(model), _has_before(model)
     left_height = gait_height + (_GAP + _BEFORE if before else 0)
     effects = model.structure.effects
     right_height = len(effects) * (_NODE[1] + _GAP) - _GAP
@@ -71,13 +77,65 @@ def network(model: ForwardModel, answer: Posterior | None = None) -> Html:
     for place, effect in enumerate(effects):
         y = first + place * (_NODE[1] + _GAP)
         for cause, middle in causes.items():
-            if cause in (*model.structure.parents(effect), *model.known):
+            if _points(model, cause, effect):
                 parts.append(svg.arrow(_LEFT + 4, middle, _RIGHT - 4, y + _NODE[1] / 2))
-        parts += [_link(EFFECTS.index(p), place, first) for p in model.structure.parents(effect) if p in EFFECTS]
-        parts.append(_effect_node(model.axes[effect], shares[effect], seen.get(effect), y))
-    drawn = svg.drawing(_WIDTH, height, *parts, label=f"{grounds.description(model)}; bars are probabilities")
-    # On a phone it keeps a size that can be read, and scrolls.
-    return tag("div", drawn, class_="bh-wide", tabindex="0", role="group", aria_label="the network, scrolls on a phone")
+    parts.append(_effects(model, shares, seen, first))
+    return svg.drawing(_WIDTH, height, *parts, label=_said(model))
+
+
+def _stacked(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, int], answer: Any) -> Html:
+    """All nodes below each other, for a phone; edges run down the left side."""
+    gait_height, before = _gait_height(model), _has_before(model)
+    parts = [_gait_node(model, shares["Gait"], 0, gait_height, answer is not None)]
+    causes = {"Gait": (7.0, gait_height / 2)}  # where its edges run, middle of the node
+    first = gait_height + _GAP
+    if before:
+        causes[PREVIOUS] = (15.0, first + _BEFORE / 2)
+        parts.append(_before_node(model, first))
+        first += _BEFORE + _GAP
+    parts = [tag("g", *parts, transform=f"translate({_SPINE} 0)")]
+    for cause, (x, middle) in causes.items():
+        ends = [
+            first + place * (_NODE[1] + _GAP) + _NODE[1] / 2
+            for place, effect in enumerate(model.structure.effects)
+            if _points(model, cause, effect)
+        ]
+        if ends:
+            parts.append(svg.line([(_SPINE, middle), (x, middle), (x, ends[-1])], stroke=svg.FAINT, stroke_width="1.4"))
+        parts += [svg.arrow(x, end, _SPINE, end) for end in ends]
+    parts.append(tag("g", _effects(model, shares, seen, first), transform=f"translate({_SPINE + 2 - _RIGHT} 0)"))
+    height = first + len(model.structure.effects) * (_NODE[1] + _GAP) - _GAP + 4
+    return svg.drawing(_SPINE + _NODE[0] + 20, height, *parts, label=_said(model))
+
+
+def _said(model: ForwardModel) -> str:
+    return f"{grounds.description(model)}; bars are probabilities"
+
+
+def _gait_height(model: ForwardModel) -> int:
+    shown = min(len(model.gaits), _MOST_GAITS)
+    return 34 + _ROW * shown + (18 if shown < len(model.gaits) else 0)
+
+
+def _has_before(model: ForwardModel) -> bool:
+    return PREVIOUS in model.known or depends_on_previous(model.structure)
+
+
+def _points(model: ForwardModel, cause: str, effect: str) -> bool:
+    """Whether there is an edge from a cause to an effect."""
+    return cause in (*model.structure.parents(effect), *model.known)
+
+
+def _effects(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, int], first: float) -> Html:
+    """The nodes of the effects from ``first`` down, and the edges between them."""
+    parts: list[Html] = []
+    effects = model.structure.effects
+    for place, effect in enumerate(effects):
+        parts += [_link(effects.index(p), place, first) for p in model.structure.parents(effect) if p in effects]
+        parts.append(
+            _effect_node(model.axes[effect], shares[effect], seen.get(effect), first + place * (_NODE[1] + _GAP))
+        )
+    return tag("g", *parts)
 
 
 def _link(parent: int, child: int, first: float) -> Html:

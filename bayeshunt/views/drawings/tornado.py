@@ -60,4 +60,4 @@ def _rows(answer: Posterior, cell: dict[Any, Any]) -> Html:
     columns, lines = grounds.babbled(found, _MOST_ROWS)
     rest = len(found) - len(lines)
     more = tag("div", f"and {rest} more rows", class_="bh-note") if rest else None
-    return tag("div", table(columns, (row(at, said) for at, *said in lines)), more)
+    return tag("div", table(columns, (row(at, map(true_minus, said)) for at, *said in lines)), more)

@@ -11,14 +11,13 @@ import traitlets
 
 from bayeshunt.core import displays
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.units import label, true_minus
+from bayeshunt.core.units import bounds, label, true_minus
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.page import asset, number
-from bayeshunt.views.sheets.sheet import bounds
 
 #: Outcomes less probable than this share of the most probable one are not drawn.
 _FAINT = 0.01

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.geometry import Polar, Pose, wrap
-from bayeshunt.core.units import objective
+from bayeshunt.core.units import bounds, objective
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.pages.page import number
-from bayeshunt.views.sheets.sheet import bounds
 
 __all__ = ["asked_again", "colours", "considered", "realised", "whiskers"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bayeshunt.core.units import true_minus
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.assessment.warnings import is_grave
 from bayeshunt.views.notebook.html import Html, number, row, table, tag
@@ -41,7 +42,12 @@ def _structures(shown: Assessment) -> Html:
     for name, found in shown.structures.iterrows():
         gain = f"{found['gain']:+.4f} ({found['gain_low']:+.4f} to {found['gain_high']:+.4f})"
         loss = f"{found['log_loss']:.4f}".replace("inf", "∞")
-        cells = [loss, "" if name == "naive" else gain, f"{found['bic']:,.0f}", f"{found['parameters']:,}"]
+        cells = [
+            loss,
+            "" if name == "naive" else true_minus(gain),
+            true_minus(f"{found['bic']:,.0f}"),
+            f"{found['parameters']:,}",
+        ]
         rows.append(row(name, cells, lit=name == best))
     return table(["structure", "log-loss", "gain", "BIC", "parameters"], rows)
 

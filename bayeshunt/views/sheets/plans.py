@@ -50,9 +50,18 @@ def alternatives(shown: Plan) -> tuple[Part, Part | None]:
     if {"node", "parent"} <= set(trace.columns):
         return Drawn(lambda: tree(trace), title="The search tree", opened=True), Printed(lambda: _branch_lines(trace))
     if shown.posterior is not None and "gait" in trace.columns and len(trace) == len(shown.posterior):
-        bars = Bars(dict(zip(map(str, trace["gait"]), np.asarray(shown.posterior).tolist(), strict=True)), shown.gait)
-        return bars, Printed(bars.lines)
+        shares = dict(zip(map(str, trace["gait"]), np.asarray(shown.posterior).tolist(), strict=True))
+        bars = Bars(shares, shown.gait, _within(shown, trace))
+        return Drawn(bars), Printed(bars.lines)
     return frame_table(trace), None
+
+
+def _within(shown: Plan, trace: pd.DataFrame) -> dict[str, tuple[float, float]] | None:
+    """The interval of each gait's posterior: as the trace has it, or of the answer that the plan carries."""
+    if {"low", "high"} <= set(trace.columns):
+        return grounds.within(trace.set_index("gait"))
+    found = None if shown.answer is None else grounds.interval(shown.answer)
+    return None if found is None else grounds.within(found)
 
 
 def _branch_lines(trace: pd.DataFrame, most: int = 3) -> list[str]:

@@ -6,12 +6,11 @@ forms show, or something that only one of them can: a drawing, a fold.
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
-from bayeshunt.core.units import true_minus
+from bayeshunt.core.units import bounds, true_minus
 from bayeshunt.views.notebook.html import Html, card, facts, fold, join, row, table, tag
 from bayeshunt.views.terminal.text_tables import align, clean, printable
 
@@ -95,7 +94,8 @@ class Bars(NamedTuple):
             bar = tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%") if float(said) else ""
             inner = tag("div", bar, self._whisker(name, top), class_="bh-scale", style=f"width:{100 * top / end:.1f}%")
             rows.append(row(name, [tag("td", inner, class_="bh-track"), self._said(name)], lit=name == self.lit))
-        return table(["Gait", "", "probability" if self.within is None else "probability (95 % interval)"], rows)
+        heads = ["Gait", "", "probability" if self.within is None else "probability (95 % interval)"]
+        return table(heads, rows, class_="bh-bars")
 
     def _whisker(self, name: str, top: float) -> Any:
         """A line over the bar from the low to the high end of its interval."""
@@ -104,11 +104,6 @@ class Bars(NamedTuple):
         low, high = self.within[name]
         place = f"left:{100 * low / top:.1f}%;width:{100 * (high - low) / top:.1f}%"
         return tag("span", class_="bh-whisker", style=place)
-
-
-def bounds(low: float, high: float) -> str:
-    """Return an interval to two decimals, rounded outwards so that what lies inside does so in print: "0.24 to 1"."""
-    return f"{math.floor(100 * low + 1e-9) / 100:g} to {math.ceil(100 * high - 1e-9) / 100:g}"
 
 
 class Note(NamedTuple):

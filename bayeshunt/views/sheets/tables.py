@@ -22,6 +22,7 @@ MOST_ROWS = 200
 #: A table of no more bins is seen at once, without strips above it.
 _FEW_BINS = 12
 _MOST_PRINTED = 60  # rows of a table in text
+_MOST_STRIPS = 40
 #: Nor more cells than a browser shows at once, some 2 MB of page.
 _MOST_CELLS = 12_000
 
@@ -92,21 +93,17 @@ def _empty(values: np.ndarray, behind: list[np.ndarray]) -> np.ndarray:
 
 def _strips(values: np.ndarray, columns: list[str]) -> Html:
     """Every column as a strip over all bins: where it has its weight, seen at once."""
-    bins, high, names = len(values), 14, min(len(columns), 40)
-    wide, left = 420.0 / bins, 118
-    parts: list[Html] = []
-    for j in range(names):
-        parts.append(svg.text(left - 6, j * high + 10, svg.shorten(str(columns[j]), 17), anchor="end", faint=True))
-        parts.append(svg.box(left, j * high, bins * wide, high - 2, fill=svg.PANEL))
+    bins, parts = len(values), []
+    for j in range(min(len(columns), _MOST_STRIPS)):
         top = max(float(values[:, j].max()), 1e-300)
-        for i in np.flatnonzero(values[:, j] > 0.02 * top).tolist():
-            strong = f"{0.2 + 0.8 * float(values[i, j]) / top:.2f}"
-            parts.append(
-                svg.box(left + i * wide, j * high, max(wide, 1.0), high - 2, fill=svg.BAR, fill_opacity=strong)
-            )
-    return svg.drawing(
-        left + bins * wide, names * high, *parts, label="Where each column has its weight, over all bins"
-    )
+        parts.append(tag("span", svg.shorten(str(columns[j]), 17)))
+        boxes = [
+            svg.box(i, 0, 1, 1, fill=svg.BAR, fill_opacity=f"{0.2 + 0.8 * float(values[i, j]) / top:.2f}")
+            for i in np.flatnonzero(values[:, j] > 0.02 * top).tolist()
+        ]
+        parts.append(tag("svg", *boxes, viewBox=f"0 0 {bins} 1", preserveAspectRatio="none"))
+    said = "Where each column has its weight, over all bins"
+    return tag("div", *parts, class_="bh-strips", role="img", aria_label=said)
 
 
 def _states(shown: ProbabilityTable) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bayeshunt.core.units import label
+from bayeshunt.core.units import label, objective
 from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
 from bayeshunt.views import grounds
 from bayeshunt.views.sheets.sheet import Note, Part, Sheet, Table
@@ -52,7 +52,8 @@ def cell(opened: CellTrace) -> Sheet:
         columns, lines = grounds.babbled(rows, _MOST_ROWS)
         left = len(rows) - len(lines)
         shown = Table(columns, lines, left_out=f"and {left} more" if left > 0 else "")
-    return Sheet(f"Trace of a cell of P({opened.variable})", "", [("formula", opened.formula)], [shown, note])
+    formula = opened.formula.replace(f"= {opened.state}", f"= {label(opened.state)}", 1)
+    return Sheet(f"Trace of a cell of P({opened.variable})", "", [("formula", formula)], [shown, note])
 
 
 def plan(opened: PlanTrace) -> Sheet:
@@ -79,4 +80,18 @@ def plan(opened: PlanTrace) -> Sheet:
         ]  # fmt: skip
         parts.append(Table(["gait", "table of", "likeliest", "probability", "rows"], cells, words=frozenset({0, 1, 2})))
     parts.append(Note("trace.rows(gait) gives the babbled rows that a gait's outcomes are drawn from."))
-    return Sheet(f"Trace of the decision for {opened.gait}", "", [("formula", opened.formula)], parts)
+    return Sheet(f"Trace of the decision for {opened.gait}", "", [("formula", _said(opened))], parts)
+
+
+def _said(opened: PlanTrace) -> str:
+    """The formula in the units of people."""
+    value, what = objective(opened.plan.value, opened.plan.objective)
+    said = f"{what}: {value:.6g}, the least of {opened.plan.nodes} alternatives"
+    if opened.means is None:
+        return said
+    hunter, prey, gap = opened.means
+    places = [f"({', '.join(f'{1000 * part:.1f}' for part in place)}) mm" for place in (hunter, prey)]
+    return (
+        f"{said}; after {opened.steps} gaits the mean hunter is at {places[0]} and the prey expected at {places[1]}, "
+        f"{1000 * gap:.1f} mm apart"
+    )

@@ -20,9 +20,8 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from bayeshunt.core.units import degrees, length, objective
+from bayeshunt.core.units import bounds, degrees, length, objective
 from bayeshunt.views import reported
-from bayeshunt.views.sheets.sheet import bounds
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
 
 out = Console(highlight=False, markup=False)  # units stand in square brackets
