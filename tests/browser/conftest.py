@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
 import sys
+import tarfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -89,3 +92,21 @@ def replays(episodes, model, tmp_path_factory) -> dict[str, Path]:
     for name, episode in episodes.items():
         write_replay(episode, folder / f"{name}.html", model=model)
     return {name: folder / f"{name}.html" for name in episodes}
+
+
+@pytest.fixture(scope="session")
+def axe(tmp_path_factory) -> str:
+    """The script of axe-core: the file that AXE_CORE names, or the one in npm's registry."""
+    if given := os.environ.get("AXE_CORE"):
+        return Path(given).read_text(encoding="utf-8")
+    if shutil.which("npm") is None:
+        pytest.skip("npm is not installed, and AXE_CORE names no axe.min.js")
+    folder = tmp_path_factory.mktemp("axe")
+    got = subprocess.run(
+        ["npm", "pack", "--silent", "axe-core"], cwd=folder, capture_output=True, text=True, timeout=120
+    )
+    packs = list(folder.glob("*.tgz"))
+    if got.returncode or not packs:
+        pytest.skip("axe-core cannot be had from npm here")
+    with tarfile.open(packs[0]) as pack:
+        return pack.extractfile("package/axe.min.js").read().decode()

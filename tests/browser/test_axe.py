@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import subprocess
-import tarfile
 from pathlib import Path
 
 import pytest
@@ -20,24 +16,6 @@ WIDGET = """<script>const state = {state};
 const model = {{ get: (k) => state[k], set() {{}}, on() {{}}, off() {{}}, save_changes() {{}} }};
 {script}
 explorer.render({{ model, el: document.getElementById("place") }});</script>"""
-
-
-@pytest.fixture(scope="session")
-def axe(tmp_path_factory) -> str:
-    """The script of axe-core: the file that AXE_CORE names, or the one in npm's registry."""
-    if given := os.environ.get("AXE_CORE"):
-        return Path(given).read_text(encoding="utf-8")
-    if shutil.which("npm") is None:
-        pytest.skip("npm is not installed, and AXE_CORE names no axe.min.js")
-    folder = tmp_path_factory.mktemp("axe")
-    got = subprocess.run(
-        ["npm", "pack", "--silent", "axe-core"], cwd=folder, capture_output=True, text=True, timeout=120
-    )
-    packs = list(folder.glob("*.tgz"))
-    if got.returncode or not packs:
-        pytest.skip("axe-core cannot be had from npm here")
-    with tarfile.open(packs[0]) as pack:
-        return pack.extractfile("package/axe.min.js").read().decode()
 
 
 def page_of_cards(things) -> str:

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import socket
-import subprocess
-import sys
-import time
-import urllib.error
-import urllib.request
 from math import atan2, cos, sin
 
 import pytest
+from notebook_programs import jupyterlab
 from waiting import eventually, wait_until
 
 import bayeshunt as bh
@@ -23,7 +16,6 @@ pytest.importorskip("anywidget", reason="anywidget is not installed (extra: note
 pytest.importorskip("jupyterlab", reason="jupyterlab is not installed (extra: notebook)")
 pytestmark = pytest.mark.slow
 
-TOKEN = "only-for-this-test"
 CELLS = (
     "import bayeshunt as bh\n"
     "explorer = bh.Explorer(bh.ForwardModel.load('model.json'), distance=0.1, angle=0.5)\n"
@@ -38,72 +30,10 @@ CELLS = (
 def notebook(model, tmp_path_factory):
     """The address of a notebook that shows the explorer, in a JupyterLab on the loopback interface."""
     folder = tmp_path_factory.mktemp("lab")
-    work = folder / "work"
-    work.mkdir()
-    model.save(work / "model.json")
-    write_notebook(work / "explorer.ipynb")
-    port = free_port()
-    log = (folder / "log.txt").open("w")
-    command = [
-        sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--ServerApp.ip=127.0.0.1",
-        f"--ServerApp.port={port}", "--ServerApp.port_retries=0", f"--ServerApp.root_dir={work}",
-        f"--IdentityProvider.token={TOKEN}",
-    ]  # fmt: skip
-    server = subprocess.Popen(command, env=isolated(folder), cwd=work, stdout=log, stderr=log)
-    try:
-        wait_for(f"http://127.0.0.1:{port}/api?token={TOKEN}", server, folder / "log.txt")
-        yield f"http://127.0.0.1:{port}/lab/tree/explorer.ipynb?token={TOKEN}"
-    finally:
-        server.terminate()
-        try:
-            server.wait(20)
-        except subprocess.TimeoutExpired:
-            server.kill()
-        log.close()
-
-
-def write_notebook(path):
-    cells = [
-        {"cell_type": "code", "id": f"cell-{i}", "source": code, "metadata": {}, "outputs": [], "execution_count": None}
-        for i, code in enumerate(CELLS)
-    ]
-    kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    path.write_text(json.dumps({"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}))
-
-
-def isolated(folder):
-    """An environment in which Jupyter reads and writes nothing outside ``folder``."""
-    kernel = folder / "data" / "kernels" / "python3"
-    kernel.mkdir(parents=True)
-    command = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
-    spec = {"argv": command, "display_name": "Python 3", "language": "python"}
-    (kernel / "kernel.json").write_text(json.dumps(spec))
-    quiet = folder / "config" / "labconfig" / "page_config.json"
-    quiet.parent.mkdir(parents=True)
-    quiet.write_text(json.dumps({"disabledExtensions": {"@jupyterlab/apputils-extension:announcements": True}}))
-    places = {
-        "JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "JUPYTER_RUNTIME_DIR": "runtime",
-        "JUPYTERLAB_SETTINGS_DIR": "settings", "JUPYTERLAB_WORKSPACES_DIR": "workspaces", "IPYTHONDIR": "ipython",
-    }  # fmt: skip
-    return {**os.environ, **{name: str(folder / place) for name, place in places.items()}}
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def wait_for(address, server, log):
-    end = time.monotonic() + 90
-    while time.monotonic() < end:
-        assert server.poll() is None, f"JupyterLab stopped:\n{log.read_text()[-2000:]}"
-        try:
-            urllib.request.urlopen(address, timeout=5).close()
-            return
-        except (urllib.error.URLError, OSError):
-            time.sleep(0.3)
-    raise AssertionError(f"JupyterLab did not answer:\n{log.read_text()[-2000:]}")
+    (folder / "work").mkdir()
+    model.save(folder / "work" / "model.json")
+    with jupyterlab(folder, CELLS) as address:
+        yield address
 
 
 def run_cell(page, number):
