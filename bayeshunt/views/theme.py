@@ -110,9 +110,10 @@ _RULES = """
 .bh .bh-heat label input{appearance:none;width:0;height:0;margin:0;padding:0;border:0;outline:0;vertical-align:top}
 .bh .bh-signed .bh-marked{outline:2px solid var(--bh-ink);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
-@media(max-width:620px){.bh .bh-readout{padding-bottom:42px}}
+@media(max-width:620px){.bh .bh-readout{padding-bottom:58px}}
 .bh .bh-readout::before{content:attr(data-hint);color:var(--bh-faint);
- position:absolute;left:0;bottom:0;font-size:12px}
+ position:absolute;left:0;top:calc(100% - 20px);font-size:12px}
+@media(max-width:620px){.bh .bh-readout::before{top:calc(100% - 54px)}}
 .bh .bh-readout:has(td:hover)::before,.bh .bh-readout:has(input:checked)::before{content:""}
 .bh .bh-readout td:hover::after,.bh .bh-readout:not(:has(td:hover)) td:has(input:checked)::after{
  content:attr(title);position:absolute;left:0;bottom:0;font-size:12px;
@@ -138,7 +139,8 @@ _RULES = """
  .bh .bh-bars thead th:last-child{white-space:normal}}
 .bh .bh-scale{position:relative;min-height:12px}
 .bh .bh-whisker{position:absolute;top:5px;height:2px;min-width:2px;background:currentColor}
-.bh .bh-tornado{display:inline-flex;flex-wrap:wrap;gap:2px 10px;align-items:center;vertical-align:middle}
+.bh .bh-tornado{display:inline-flex;max-width:calc(100% - 20px);flex-wrap:wrap;
+ gap:2px 10px;align-items:center;vertical-align:middle}
 .bh .bh-phone{display:none}
 @media(max-width:520px){.bh .bh-phone{display:block}.bh .bh-desk{display:none}}
 .bh .bh-scroll+.bh-scroll{margin-top:10px}
@@ -148,6 +150,8 @@ _RULES = """
 .bh .bh-tree .bh-leaf{margin:0 0 0 18px;padding:1px 6px 1px 20px;border-left:1px solid var(--bh-line)}
 .bh .bh-tree summary{padding:1px 6px}
 .bh .bh-tree .bh-value{color:var(--bh-faint);font-variant-numeric:tabular-nums;font-weight:400;margin-left:8px}
+@media(max-width:520px){.bh .bh-tree details,.bh .bh-tree .bh-leaf{margin-left:6px}
+ .bh .bh-tree .bh-leaf{padding-left:10px}}
 .bh .bh-tree .bh-lit .bh-value{color:var(--bh-ink)}
 .bh .bh-note{color:var(--bh-faint);font-size:12px;margin:6px 0 0}
 """

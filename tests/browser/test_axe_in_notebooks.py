@@ -59,6 +59,7 @@ def test_inside_jupyterlab(open_page, axe, model, tmp_path):
         page, _ = open_page(address, bypass_csp=True, viewport=SIZES[0])
         page.wait_for_selector(".jp-Notebook .jp-CodeCell", timeout=60_000)
         wait_until(lambda: "| Idle" in page.locator("#jp-main-statusbar").inner_text(), seconds=60)
+        page.evaluate("jupyterapp.shell.collapseLeft(); jupyterapp.shell.collapseRight()")  # room on a phone
         page.evaluate("jupyterapp.commands.execute('notebook:run-all-cells')")
         wait_until(lambda: complete(page), seconds=120)
         for dark in (False, True):

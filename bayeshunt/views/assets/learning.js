@@ -4,20 +4,37 @@
   const data = JSON.parse(document.getElementById("data").textContent), total = data.rows.length / 4;
   const parts = Object.fromEntries([...document.querySelectorAll("[data-part]")].map((node) => [node.dataset.part, node]));
   const ink = (name) => getComputedStyle(document.body).getPropertyValue(`--bh-${name}`).trim();
-  const G = data.gaits.length;
+  const G = data.gaits.length, MOST_NAMES = 40;
   let counts, totals, shown = 0, playing = 0;
 
   const heats = data.tables.map(({ name, labels }, t) => {
     element("h3", {}, parts.tables, name);
-    const canvas = element("canvas", { class: "heat", role: "img" }, parts.tables);
+    const box = element("div", { class: "heats" }, parts.tables), names = element("div", { class: "names", "aria-hidden": "true" }, box);
+    if (G <= MOST_NAMES) for (const gait of data.gaits) element("span", {}, names, gait);
+    const place = element("div", { class: "heat", role: "application", tabindex: 0, "aria-roledescription": "table" }, box);
+    const canvas = element("canvas", { "aria-hidden": "true" }, place), mark = element("i", { hidden: "" }, place);
     [canvas.width, canvas.height] = [labels.length, G];
-    canvas.addEventListener("pointermove", (event) => {
-      const box = canvas.getBoundingClientRect(), bin = Math.floor(((event.clientX - box.left) / box.width) * labels.length);
-      const gait = Math.floor(((event.clientY - box.top) / box.height) * G);
-      if (bin in labels && gait in data.gaits)
-        parts.cell.textContent = `${name} ${labels[bin]}, ${data.gaits[gait]}: ${counts[t][bin * G + gait]} of ${totals[gait]} rows`;
+    let at = [0, 0]; // bin, gait
+    const read = (bin, gait) => {
+      if (!(bin in labels && gait in data.gaits)) return;
+      at = [bin, gait];
+      mark.hidden = false;
+      mark.style.cssText = `left:${(100 * bin) / labels.length}%;top:${(100 * gait) / G}%;width:${100 / labels.length}%;height:${100 / G}%`;
+      parts.cell.textContent = `${name} ${labels[bin]}, ${data.gaits[gait]}: ${counts[t][bin * G + gait]} of ${totals[gait]} rows`;
+    };
+    for (const kind of ["pointermove", "pointerdown"])
+      canvas.addEventListener(kind, (event) => {
+        const around = canvas.getBoundingClientRect();
+        read(Math.floor(((event.clientX - around.left) / around.width) * labels.length), Math.floor(((event.clientY - around.top) / around.height) * G));
+      });
+    place.addEventListener("focus", () => read(...at));
+    place.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      read(at[0] + step[0], at[1] + step[1]);
     });
-    return canvas;
+    return { canvas, place, again: () => mark.hidden || read(...at) };
   });
 
   const curves = data.curves.map(({ name, at, values }) => {
@@ -101,9 +118,10 @@
     const n = Number(parts.n.value);
     count(n);
     parts.said.textContent = `${n} of ${total} rows; ${totals.filter((rows) => rows > 0).length} of ${G} gaits babbled`;
-    heats.forEach((canvas, t) => {
+    heats.forEach(({ canvas, place, again }, t) => {
       drawHeat(canvas, counts[t]);
-      canvas.setAttribute("aria-label", `${data.tables[t].name}: ${counts[t].filter((c) => c > 0).length} cells hold rows`);
+      place.setAttribute("aria-label", `${data.tables[t].name}: ${counts[t].filter((c) => c > 0).length} cells hold rows; arrow keys go from cell to cell`);
+      again();
     });
     drawMap(n);
     curves.forEach((curve) => curve(n));

@@ -1,0 +1,263 @@
+"""What opening every number costs: ``python -m benchmarks.inspection [--json] [--only intervals graded ...]``.
+
+- intervals: how sure an answer is, against one query of pgmpy on the same evidence, in turns, for every structure;
+- graded: how many learned coordinates of preset "slippery" answer with less than 0.999, by babbling seed;
+- network: from a click on a state to the next painted frame of its page, every structure and alarm (37 nodes);
+- replay: two hunts that ran their 60 s in step on one page: its size, and how long until it can be played;
+- report: the page of 3,500 hunts with five planners;
+- differences: the share of cells that ``compare`` marks between two babblings of one robot.
+
+The pages are opened in a headless Chromium (extra ``test``); what needs one is left out where there is none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import shutil
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import bayeshunt as bh
+
+STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
+ROWS, ANSWERS, CLICKS, OPENINGS, BABBLINGS, PAIRS = 2000, 60, 25, 5, 20, 20
+#: What is reported as graded: the most probable gait has less.
+GRADED = 0.999
+
+
+def fitted(structure: str, seed: int = 0) -> bh.ForwardModel:
+    """The shipped Khepera's model in a structure; of the gait before with the rows' own order."""
+    robot = bh.load_robot("khepera")
+    frame = bh.babble(robot, ROWS, seed)
+    return bh.ForwardModel.fit(frame, robot.gaits, 0.0 if structure == "naive" else 0.1, structure=structure)
+
+
+def seconds(work: Callable[[], Any]) -> float:
+    """Seconds of one call."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def intervals() -> list[dict[str, Any]]:
+    """One row per structure: milliseconds of an interval and of pgmpy's query, medians, and the median ratio."""
+    from pgmpy.inference import VariableElimination
+
+    rows, rng = [], np.random.default_rng(0)
+    for structure in STRUCTURES:
+        model = fitted(structure)
+        inverse, engine = bh.InverseModel(model), VariableElimination(model.network)
+        table = inverse.table()
+        chosen = table.iloc[rng.choice(len(table), min(ANSWERS, len(table)), replace=False)]
+        answers = [inverse.posterior(d, a) for d, a in zip(chosen["distance"], chosen["angle"], strict=True)]
+        pairs = []
+        for answer in answers:
+            query = partial(engine.query, ["Gait"], evidence=answer.evidence, show_progress=False)
+            pairs.append((seconds(answer.interval), seconds(query)))
+        ours, theirs = np.array(pairs[2:]).T  # the first two make what is kept
+        rows.append(
+            {
+                "structure": structure, "answers": len(ours), "interval_ms": 1e3 * float(np.median(ours)),
+                "pgmpy_ms": 1e3 * float(np.median(theirs)), "queries": float(np.median(ours / theirs)),
+                "queries_at_most": float(np.max(ours) / np.median(theirs)),
+            }
+        )  # fmt: skip
+    return rows
+
+
+def graded() -> dict[str, Any]:
+    """Shares of learned coordinates whose best gait has less than :data:`GRADED`, by babbling seed, and of all."""
+    robot, shares, few, all_ = bh.load_experiment("slippery").robot, [], 0, 0
+    for seed in range(BABBLINGS):
+        model = bh.ForwardModel.fit(bh.babble(robot, ROWS, seed), robot.gaits)
+        best = bh.InverseModel(model).table()[list(model.gaits.names)].to_numpy().max(axis=1)
+        shares.append(float(np.mean(best < GRADED)))
+        few, all_ = few + int((best < GRADED).sum()), all_ + len(best)
+    return {"rows": ROWS, "below": GRADED, "coordinates": all_, "share": few / all_, "by_seed": shares}
+
+
+def network(browser: Any) -> list[dict[str, Any]]:
+    """One row per network: milliseconds that its script works, and from a click until the picture is painted."""
+    rows = []
+    for name, made in {**{s: (lambda s=s: fitted(s)) for s in STRUCTURES}, "alarm": alarm}.items():
+        page = opened(browser, lambda path, made=made: bh.Network(made()).save(path))
+        work, painted = [], []
+        for at in range(CLICKS):
+            states = page.locator(".bh-network .state")
+            state = states.nth((7 * at) % states.count())
+            painted.append(state.evaluate(CLICK))
+            work.append(float(page.locator(".bh-network").get_attribute("data-ms")))
+        rows.append({"network": name, "clicks": CLICKS, "script_ms": max(work), "painted_ms": max(painted)})
+    return rows
+
+
+#: Milliseconds from a click until the second frame after it: the first one has then been painted.
+CLICK = """(state) => new Promise((done) => {
+  const before = performance.now();
+  state.click();
+  requestAnimationFrame(() => requestAnimationFrame(() => done(performance.now() - before)));
+})"""
+
+
+def alarm() -> Any:
+    """pgmpy's copy of the network ALARM (Beinlich et al., 1989)."""
+    from pgmpy.utils import get_example_model
+
+    return get_example_model("alarm")
+
+
+def replay(browser: Any) -> dict[str, Any]:
+    """Bytes of the page of two hunts that were not caught, and milliseconds until it can be played."""
+    model = fitted("naive")
+    hunts = [bh.hunt("paper", bh.make_planner(n, model), arena="open", theta=t, seed=0) for n, t in LONG_HUNTS]
+    if any(hunt.caught for hunt in hunts):
+        raise RuntimeError("a hunt that was to last 60 s ended in a catch: choose others")
+    size, ready = [], []
+    for _ in range(OPENINGS):
+        page = opened(browser, lambda path: bh.write_replay(hunts, path, model=model), size)
+        page.wait_for_selector("[data-part=play]")
+        ready.append(page.evaluate("performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd"))
+    return {"hunts": len(hunts), "bytes": size[0], "openings": OPENINGS, "interactive_ms": sorted(ready)}
+
+
+LONG_HUNTS = (("reactive", 1.0), ("reactive", 4.0))
+
+
+def report() -> dict[str, Any]:
+    """Bytes of the report of 3,500 hunts: five planners, two arenas, seven bearings, fifty runs."""
+    planners = ["reactive", "prediction", "planning", "constant_velocity", "intercept"]
+    settings = bh.load_experiment("oses2010")
+    hunts = bh.evaluate(settings, planners=planners, runs=50, seed=0)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "report.html"
+        bh.write_report(hunts, path)
+        return {"hunts": len(hunts), "planners": len(planners), "bytes": path.stat().st_size}
+
+
+def differences() -> list[dict[str, Any]]:
+    """One row per robot: cells that ``compare`` marks between two babblings of it, of all cells of such pairs."""
+    rows = []
+    for name in ("khepera", "hexapod"):
+        robot, marked, held, shares = bh.load_robot(name), 0, 0, []
+        for pair in range(PAIRS):
+            models = [bh.ForwardModel.fit(bh.babble(robot, ROWS, 2 * pair + i), robot.gaits) for i in (0, 1)]
+            found = bh.compare(*models)
+            shares.append(found.share)
+            marked += len(found.cells)
+            # of one robot both have the bins up to the nearer of their farthest rows
+            held += sum(_held(*(model.counts(variable) for model in models)) for variable in found.marked)
+        rows.append(
+            {
+                "robot": name, "pairs": PAIRS, "share": float(np.mean(shares)), "most_in_a_pair": max(shares),
+                "share_of_cells_with_rows": marked / held,
+            }
+        )  # fmt: skip
+    return rows
+
+
+def _held(one: pd.DataFrame, two: pd.DataFrame) -> int:
+    """How many cells hold rows in one of two tables."""
+    return int((one.add(two, fill_value=0) > 0).to_numpy().sum())
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """A headless Chromium, or None."""
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    try:
+        from playwright.sync_api import sync_playwright
+    except ModuleNotFoundError:
+        found = None
+    if found is None:
+        yield None
+        return
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield running
+        running.close()
+
+
+def opened(browser: Any, save: Callable[[Path], Any], size: list[int] | None = None) -> Any:
+    """Save a page and open it in a context of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "page.html"
+        save(path)
+        if size is not None:
+            size.append(path.stat().st_size)
+        page = browser.new_context(viewport={"width": 1400, "height": 900}).new_page()
+        page.goto(path.as_uri())
+    return page
+
+
+ALONE = {"intervals": intervals, "graded": graded, "differences": differences, "report": report}
+IN_A_BROWSER = {"network": network, "replay": replay}
+
+
+def measure(only: list[str]) -> dict[str, Any]:
+    """The figures of the parts asked for."""
+    facts: dict[str, Any] = {name: part() for name, part in ALONE.items() if name in only}
+    if not set(only) & set(IN_A_BROWSER):
+        return facts
+    with chromium() as browser:
+        if browser is not None:
+            facts |= {name: part(browser) for name, part in IN_A_BROWSER.items() if name in only}
+    return facts
+
+
+def report_text(facts: dict[str, Any]) -> Iterator[str]:
+    """The figures as lines."""
+    for row in facts.get("intervals", ()):
+        yield (
+            f"interval, {row['structure']:<14}{row['interval_ms']:7.2f} ms, pgmpy's query {row['pgmpy_ms']:.2f} ms: "
+            f"{row['queries']:.1f} queries, at most {row['queries_at_most']:.1f} ({row['answers']} answers)"
+        )
+    if found := facts.get("graded"):
+        seeds = " ".join(f"{100 * share:.1f}" for share in found["by_seed"])
+        yield (
+            f"graded answers, slippery, {found['rows']} rows: {100 * found['share']:.1f} % of {found['coordinates']} "
+            f"learned coordinates below {found['below']}; by seed {seeds} %"
+        )
+    for row in facts.get("differences", ()):
+        yield (
+            f"two babblings of {row['robot']}: {100 * row['share']:.2f} % of cells marked, at most "
+            f"{100 * row['most_in_a_pair']:.2f} % in one of {row['pairs']} pairs "
+            f"({100 * row['share_of_cells_with_rows']:.1f} % of the cells that hold rows)"
+        )
+    for row in facts.get("network", ()):
+        yield (
+            f"network, {row['network']:<14}script {row['script_ms']:6.1f} ms, painted {row['painted_ms']:6.1f} ms "
+            f"(the slowest of {row['clicks']} clicks)"
+        )
+    if found := facts.get("replay"):
+        ready = " ".join(f"{ms:.0f}" for ms in found["interactive_ms"])
+        yield f"replay of {found['hunts']} hunts of 60 s: {found['bytes'] / 1000:.0f} kB, interactive after {ready} ms"
+    if found := facts.get("report"):
+        yield f"report of {found['hunts']} hunts, {found['planners']} planners: {found['bytes'] / 1e6:.2f} MB"
+
+
+def main() -> None:
+    """Run and print."""
+    names = [*ALONE, *IN_A_BROWSER]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser.add_argument("--only", nargs="+", choices=names, default=names)
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")  # pgmpy warns of its own deprecations when imported
+    logging.getLogger("pgmpy").setLevel(logging.ERROR)
+    facts = measure(options.only)
+    print(json.dumps(facts) if options.json else "\n".join(report_text(facts)))
+
+
+if __name__ == "__main__":
+    main()
