@@ -241,7 +241,7 @@ class Posterior(NamedTuple):
         best = f"{self.best} {float(self.values.max()):.3f}"
         if self.support is None:
             return f"<Posterior: {best} given {evidence}{self._snap()}; support unknown>"
-        low, high = self.interval().loc[self.best, ["low", "high"]]
+        low, high = self.interval()[["low", "high"]].loc[self.best].tolist()
         rows = "1 row" if self.support == 1 else f"{self.support} rows"
         return f"<Posterior: {best} ({units.bounds(low, high)}) given {evidence}{self._snap()}; {rows}>"
 
