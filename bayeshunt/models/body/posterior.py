@@ -241,7 +241,8 @@ class Posterior(NamedTuple):
         best = f"{self.best} {float(self.values.max()):.3f}"
         if self.support is None:
             return f"<Posterior: {best} given {evidence}{self._snap()}; support unknown>"
-        low, high = self.interval()[["low", "high"]].loc[self.best].tolist()
+        at, found = int(np.argmax(self.values)), self.interval()
+        low, high = (float(found[end].to_numpy()[at]) for end in ("low", "high"))
         rows = "1 row" if self.support == 1 else f"{self.support} rows"
         return f"<Posterior: {best} ({units.bounds(low, high)}) given {evidence}{self._snap()}; {rows}>"
 
