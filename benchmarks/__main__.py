@@ -23,6 +23,7 @@ BENCHMARKS = {
     "physics": "a physics step of a hunt, against bare Box2D and LunarLander",
     "envs": "a gait through the environment, against the bare world and LunarLander; what imports cost",
     "compiled": "what numba would save, and what it would cost",
+    "inspection": "how sure an answer is, against pgmpy's query; size, start and redraw of the pages",
     "evaluation": "the paper's five rows, with one worker and two",
 }
 

@@ -133,6 +133,18 @@ def test_a_decision_is_seen_at_once(page_of, planned, width, height):
         assert page.locator("[data-part=canvas]").bounding_box()["y"] >= -1
 
 
+@pytest.mark.slow
+def test_decisions_of_two_hunts_are_seen_at_once(page_of, planned, episodes):
+    page, watch = page_of([episodes["reactive"], planned], viewport={"width": 1400, "height": 900})
+    for key in ("Home", "ArrowRight", "ArrowRight", "End"):
+        page.keyboard.press(key)
+        for card in page.locator(".panels .card:visible").all():
+            box = card.bounding_box()
+            assert box["y"] + box["height"] <= 900, card.get_attribute("aria-label")
+            assert card.evaluate("e => e.scrollWidth <= e.clientWidth")
+    assert watch.errors == []
+
+
 def test_a_probability_opens_down_to_its_rows(page_of, settings, model):
     """From the bar by the keyboard: factors, their cells' counts, the rows; back by the breadcrumb; Esc closes."""
     episode = bh.hunt(settings, bh.make_planner("reactive", model), arena="open", theta=1.0, seed=0)
