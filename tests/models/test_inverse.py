@@ -57,8 +57,8 @@ def test_an_answer_says_how_far_it_is_from_what_was_asked(three_cells: InverseMo
     far = three_cells.posterior(16, 0.0)
     assert (far.gap, far.farthest) == (pytest.approx(15.75), pytest.approx(0.3))
     assert (far.asked, far.missed_by, far.beyond) == ("16 m, 0°", "15.8 m away", True)
-    assert ", for 16 m, 0° (15.8 m off); 1 rows>" in repr(far)
-    assert repr(own).endswith("Angle 0°; 1 rows>")
+    assert ", for 16 m, 0° (15.8 m off); 1 row>" in repr(far)
+    assert repr(own).endswith("Angle 0°; 1 row>")
     near = three_cells.posterior(0.1, math.pi / 2)  # its own bin was never reached, though it is near enough
     assert (near.gap, near.beyond) == (pytest.approx(math.hypot(0.1, 0.05)), False)
     turned = three_cells.posterior(0.25, -0.0, math.radians(112))  # learned there: heading 0 alone
