@@ -55,7 +55,7 @@ def test_opens_with_a_question_and_a_figure(path: Path) -> None:
     assert "figures." in second.source or "plt." in second.source
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS[:7], ids=lambda p: p.stem[:2])
+@each_notebook
 def test_ends_with_three_tries_and_what_to_expect(path: Path) -> None:
     last = nbformat.read(path, as_version=4).cells[-1].source.split("## Try")[1]
     assert last.count("\n* ") == 3

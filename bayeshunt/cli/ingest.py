@@ -23,6 +23,9 @@ Unit = Annotated[str | None, typer.Option(help="A log: unit of x and y, m, cm or
 Angle = Annotated[str | None, typer.Option(help="A log: unit of the heading, rad or deg; counter-clockwise.")]
 BodyLength = Annotated[float | None, typer.Option(help="Length of the body [m], the unit of the default bins.")]
 
+Licence = Annotated[str | None, typer.Option(help="Licence of the recording, kept in the table's record.")]
+Cite = Annotated[str | None, typer.Option(help="How to cite the recording, kept in the table's record.")]
+
 
 def log_options(
     time_step: float | None, gaits: str, pose: str | None, command: str | None, time: str | None,
@@ -101,6 +104,8 @@ def ingest_tracks(
     least_confidence: Annotated[float, typer.Option(help="Leave out rows of less confidence.")] = 0.0,
     angle: Annotated[str, typer.Option(help="Unit of the heading column: rad or deg.")] = "rad",
     reader: Annotated[str | None, typer.Option(help="Format, where the file does not show it.")] = None,
+    licence: Licence = None,
+    cite: Cite = None,
     as_json: Json = False,
 ) -> None:
     """Read tracks into one table and say what they are: gaps, standing, steps, and bins that suit them.
@@ -123,7 +128,7 @@ def ingest_tracks(
     ]  # fmt: skip
     records = [part.attrs["bayeshunt"] for part in parts]
     table = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
-    table.attrs = {"bayeshunt": {"sources": records}}
+    table.attrs = {"bayeshunt": {"sources": records, **_said_of_it(licence, cite)}}
     report = track_report(table)
     tracks.save(table, out)
     facts = {"out": str(out), **report._asdict(), "unit": _length_unit(table), "sources": records}
@@ -144,8 +149,8 @@ def ingest_log(
     angle: Angle = None,
     body_length: BodyLength = None,
     seed: Seed = 0,
-    licence: Annotated[str | None, typer.Option(help="Licence of the recording, kept in the table's record.")] = None,
-    cite: Annotated[str | None, typer.Option(help="How to cite the recording, kept in the table's record.")] = None,
+    licence: Licence = None,
+    cite: Cite = None,
     as_json: Json = False,
 ) -> None:
     """Cut a log into windows of one time-step, name the gaits by their commands, and write the babbling table.
@@ -160,11 +165,15 @@ def ingest_log(
     )  # fmt: skip
     table = babbling_from(files, asked)
     record = table.attrs["bayeshunt"]
-    record.update({key: value for key, value in (("licence", licence), ("citation", cite)) if value})
+    record.update(_said_of_it(licence, cite))
     babbling_table.save(table, out)
     facts = {"out": str(out), "rows": len(table), "gaits": len(record["repertoire"]["gaits"]), **record}
     lines = [*recorded_notes(record, files[0]), f"{out}: {len(table)} rows of {facts['gaits']} gaits"]
     tell(facts, as_json, "\n".join([*lines, f"next: bayeshunt fit {shlex.quote(str(out))} --out model.json"]))
+
+
+def _said_of_it(licence: str | None, cite: str | None) -> dict[str, str]:
+    return {key: value for key, value in (("licence", licence), ("citation", cite)) if value}
 
 
 def _length_unit(table: Any) -> str:

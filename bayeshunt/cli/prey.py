@@ -58,7 +58,7 @@ def fit_prey(
 ) -> None:
     """Fit a model of how recorded people or animals move.
 
-    Example:  bayeshunt prey fit tracks.parquet --out prey.json
+    Example:  bayeshunt prey fit tracks.parquet --time-step 0.8 --out prey.json
     """
     from bayeshunt.data.transitions import transitions
     from bayeshunt.models.target.prey import PreyModel

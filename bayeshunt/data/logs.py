@@ -6,7 +6,6 @@ Columns: ``time`` [s], ``x``, ``y`` [m], ``yaw`` [rad counter-clockwise, unwrapp
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -22,6 +21,7 @@ from bayeshunt.data.log_clock import seconds_of, unbroken
 from bayeshunt.data.log_columns import find_columns, lengths, radians_of
 from bayeshunt.data.text_tables import as_numbers, read_text_table
 from bayeshunt.files import parquet
+from bayeshunt.files.records import digest_of_file
 
 __all__ = ["command_columns", "read_log", "read_table"]
 
@@ -71,20 +71,11 @@ def read_log(
     if kept.empty:
         raise DataError(f"{source}: no row has a time, a pose and a command")
     kept.attrs[parquet.PROVENANCE_KEY] = {
-        "source": {"file": Path(source).name, "sha256": _digest(Path(source)),
+        "source": {"file": Path(source).name, "sha256": digest_of_file(source),
                    "columns": {k: v for k, v in found.items() if v}},
         "notes": [note, *notes, *_turning(kept)], "dropped": {k: v for k, v in {**dropped, **lost}.items() if v},
     }  # fmt: skip
     return kept
-
-
-def _digest(path: Path) -> str:
-    """SHA-256 of a file; of a folder (a rosbag2) that of its files, one after the other by name."""
-    digest = hashlib.sha256()
-    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
-        if file.is_file():
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
 
 
 def read_table(path: str | os.PathLike[str], reader: str | None = None) -> pd.DataFrame:

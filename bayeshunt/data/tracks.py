@@ -24,6 +24,7 @@ from bayeshunt.data.readers.keypoints import one_point
 from bayeshunt.data.readers.registry import Found, find_reader
 from bayeshunt.files import parquet
 from bayeshunt.files.atomic import check_target
+from bayeshunt.files.records import digest_of_file
 
 __all__ = ["COLUMNS", "UNITS", "load", "read_tracks", "save", "tracks", "validate"]
 
@@ -53,7 +54,8 @@ def read_tracks(
     """Read recorded tracks of any known format (see :func:`bayeshunt.register_reader`).
 
     rate: rows (or frames) per second; needed unless the table has a time in seconds. It wins over what the file says.
-    unit: of x and y in the file, "m", "cm", "mm", "px" or "body" (body lengths).
+    unit: of x and y in the file, "m", "cm", "mm", "px" or "body" (body lengths). A file of ``bayeshunt ingest tracks``
+        knows it.
     scale: metres of one pixel, or of one body; without it x and y stay in pixels, or bodies.
     y: "up" or "down" (images); by default as the format counts, down for pixels.
     columns: names of columns by meaning ("x", "y", "id", "time", "frame", "heading", "confidence"), where they
@@ -68,7 +70,9 @@ def read_tracks(
     check_number(least_confidence, "least_confidence", "a share")
     chosen = find_reader(path, reader)
     found = chosen.read(Path(path), columns=columns or {}, keypoint=keypoint)
-    return _table(found, source, chosen.name, rate, unit, scale, y, least_confidence, degrees)
+    table = _table(found, source, chosen.name, rate, unit, scale, y, least_confidence, degrees)
+    table.attrs[parquet.PROVENANCE_KEY]["sha256"] = digest_of_file(path)
+    return table
 
 
 def tracks(
@@ -127,8 +131,11 @@ def _table(
     y: str | None, least_confidence: float, degrees: bool = False,
 ) -> pd.DataFrame:  # fmt: skip
     """The table of tracks of what a reader found."""
+    own = found.ingested or {}
+    unit = _known_unit(unit, own.get("unit"), source)
     metres, kept = _unit(unit, scale, found.claims, source)
-    facing = y if y is not None else ("down" if unit == "px" or found.y == "down" else "up")
+    down = found.y == "down" or (unit == "px" and not own)
+    facing = y if y is not None else ("down" if down else "up")
     if facing not in ("up", "down"):
         raise InputError(f"y: expected 'up' or 'down', got {y!r}")
     frame, dropped = _clean(found.frame, least_confidence)
@@ -145,22 +152,35 @@ def _table(
             "y": sign * frame["y"].to_numpy() * metres,
             "heading": wrap(np.where(np.isfinite(heading), sign * heading, np.nan)),
             "confidence": frame["confidence"].to_numpy() if "confidence" in frame else np.nan,
-            "scene": Path(source).stem,
+            "scene": frame["scene"].to_numpy() if "scene" in frame else Path(source).stem,
         }
     )  # fmt: skip
     if kept != "m":
         table["unit"] = kept
-    table = table.sort_values(["id", "time"], kind="stable", ignore_index=True)
-    twice = table.duplicated(["id", "time"]).to_numpy()
+    table = table.sort_values(["scene", "id", "time"], key=_scenes_as_they_come, kind="stable", ignore_index=True)
+    twice = table.duplicated(["scene", "id", "time"]).to_numpy()
     dropped["same id and time"] = int(twice.sum())
     table = table[~twice].reset_index(drop=True)
     table.attrs[parquet.PROVENANCE_KEY] = {
         "file": Path(source).name, "reader": reader, "rate": rate, "unit": unit, "scale": scale, "y": facing,
         "claims": {k: v for k, v in found.claims.items() if k != "keypoints"},
         "notes": [*found.notes, *notes, f"y of the file points {facing}"],
-        "dropped": {k: v for k, v in dropped.items() if v},
+        "dropped": {k: v for k, v in dropped.items() if v}, **{k: v for k, v in own.items() if k != "unit"},
     }  # fmt: skip
     return table
+
+
+def _scenes_as_they_come(column: pd.Series) -> pd.Series:
+    return pd.Series(pd.factorize(column)[0], column.index) if column.name == "scene" else column
+
+
+def _known_unit(unit: str | None, known: str | None, source: str) -> str | None:
+    """The unit given, or the one that the file itself knows; InputError where they differ."""
+    if None not in (unit, known) and unit != known:
+        raise InputError(
+            f"{source}: x and y are in {known}, bayeshunt ingest tracks has written them; got unit {unit!r}"
+        )
+    return unit if known is None else known
 
 
 def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], source: str) -> tuple[float, str]:

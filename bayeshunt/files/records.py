@@ -19,7 +19,7 @@ import numpy as np
 from bayeshunt.core.errors import DataError, ModelFileError
 from bayeshunt.files.atomic import check_source, write_text
 
-__all__ = ["RecordKind", "checksum", "digest", "plain_record"]
+__all__ = ["RecordKind", "checksum", "digest", "digest_of_file", "plain_record"]
 
 
 def checksum(content: Any) -> str:
@@ -31,6 +31,15 @@ def checksum(content: Any) -> str:
 def digest(content: Any) -> str:
     """Return the bare SHA-256 of ``content`` as JSON with sorted keys: the checksum inside Parquet and memory files."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def digest_of_file(path: str | os.PathLike[str]) -> str:
+    """Return the SHA-256 of a file; of a folder (a rosbag2) that of its files, one after the other by name."""
+    total = hashlib.sha256()
+    for file in sorted(Path(path).iterdir()) if Path(path).is_dir() else [Path(path)]:
+        if file.is_file():
+            total.update(file.read_bytes())
+    return total.hexdigest()
 
 
 def plain_record(record: Mapping[str, Any], what: str) -> dict[str, Any]:

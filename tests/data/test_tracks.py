@@ -70,6 +70,34 @@ def test_rate_and_unit_are_refused_unless_given_and_the_claim_is_shown(walk: pd.
     assert "unit" not in bh.read_tracks(tmp_path / "animal_id3.npz", rate=5, unit="px", scale=0.001)
 
 
+@pytest.mark.parametrize(("unit", "kept"), [("cm", "m"), ("px", "px")])
+def test_an_ingested_file_knows_its_unit_its_scenes_and_its_licence(
+    unit: str, kept: str, walk: pd.DataFrame, tmp_path, bayeshunt
+) -> None:
+    for name in ("b", "a"):
+        walk.to_csv(tmp_path / f"{name}.csv", index=False)
+    given = ("--rate", "10", "--unit", unit, "--licence", "CC BY 4.0", "--cite", "Walker 2024")
+    bayeshunt("ingest", "tracks", "b.csv", "a.csv", *given, "--out", "t.parquet")
+    table, written = bh.read_tracks(tmp_path / "t.parquet"), tracks_file.load(tmp_path / "t.parquet")
+    pd.testing.assert_frame_equal(
+        table, written, check_like=True
+    )  # y is not turned over again, scenes keep their names
+    assert table["scene"].unique().tolist() == ["b", "a"]
+    record = table.attrs["bayeshunt"]
+    assert (record["unit"], record["licence"], record["citation"]) == (kept, "CC BY 4.0", "Walker 2024")
+    assert [source["file"] for source in record["sources"]] == ["b.csv", "a.csv"]
+    assert len(record["sources"][0]["sha256"]) == 64
+    pd.testing.assert_frame_equal(bh.read_tracks(tmp_path / "t.parquet", unit=kept), table)
+    with pytest.raises(InputError, match=rf"x and y are in {kept}, .* got unit 'mm'"):
+        bh.read_tracks(tmp_path / "t.parquet", unit="mm")
+
+
+def test_a_table_of_another_program_is_still_asked_for_its_unit(walk: pd.DataFrame, tmp_path) -> None:
+    walk.assign(time=walk.frame / 10, scene="s").to_parquet(tmp_path / "t.parquet")
+    with pytest.raises(InputError, match="unit is not given"):
+        bh.read_tracks(tmp_path / "t.parquet")
+
+
 def test_y_down_mirrors_places_and_headings(walk: pd.DataFrame, tmp_path) -> None:
     path = tmp_path / "t.csv"
     walk.assign(heading=90.0).to_csv(path, index=False)

@@ -27,12 +27,15 @@ class Found:
     claims: what the file says of itself, by name ("rate", "unit", "scale", "y", "time_unit"): shown, not believed.
     notes: sentences that tell a user what was chosen for him.
     y: "down" if the format counts y downwards as images do, else "up".
+    ingested: what is known of a file that bayeshunt itself has written: "unit", "sources" and perhaps "licence" and
+        "citation"; then frame has a column scene. None for every other file.
     """
 
     frame: pd.DataFrame
     claims: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     y: str = "up"
+    ingested: Mapping[str, Any] | None = None
 
 
 class TrackReader(Protocol):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -54,8 +55,24 @@ class ParquetReader:
 
     def read(self, path: Path, *, columns: Mapping[str, str], keypoint: str | None) -> Found:
         """Read the file; see :class:`bayeshunt.data.readers.registry.TrackReader`."""
-        table, _ = parquet.read(path, what="a table of tracks", fix="give a file of tracks")
-        return _tidy(table.to_pandas(), str(path), columns, keypoint)
+        table, record = parquet.read(path, what="a table of tracks", fix="give a file of tracks")
+        frame: pd.DataFrame = table.to_pandas()
+        found = _tidy(frame, str(path), columns, keypoint)
+        known = _ingested(frame, record or {})
+        if known is None:
+            return found
+        said = f"x and y in {known['unit']}, as bayeshunt ingest tracks has written them"
+        return Found(found.frame.assign(scene=frame["scene"].to_numpy()), notes=(said,), ingested=known)
+
+
+def _ingested(frame: pd.DataFrame, record: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What is known of a table that bayeshunt has written; None for one of another program."""
+    sources = record.get("sources", [record] if "reader" in record else [])
+    units = frame["unit"].unique().tolist() if "unit" in frame else ["m"]
+    if not sources or "scene" not in frame or len(units) != 1 or not isinstance(units[0], str):
+        return None
+    kept = {key: record[key] for key in ("licence", "citation") if key in record}
+    return {"unit": units[0], "sources": sources, **kept}
 
 
 def guess_columns(names: list[str], given: Mapping[str, str], source: str) -> dict[str, str]:

@@ -91,7 +91,8 @@ def _folds(frame: pd.DataFrame, folds_by: str | None, folds: int, seed: int) -> 
     group = np.arange(len(frame)) if folds_by is None else pd.factorize(frame[folds_by])[0]
     groups = int(group.max()) + 1
     if groups < folds:
-        raise InputError(f"folds: {folds} folds of {groups} groups; give fewer")
+        fix = "give fewer" if groups > 1 else f"{folds_by!r} has one value: leave it out, or name another column"
+        raise InputError(f"folds: {folds} folds of {groups} groups; {fix}")
     rng = np.random.default_rng(np.random.SeedSequence(seed))
     return group, (rng.permutation(groups) % folds)[group]
 
