@@ -5,11 +5,12 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pandas as pd
+import pytest
 from blocks import ROOT
 
 
@@ -64,35 +65,43 @@ def walkers(seed: int, people: int = 30, frames: int = 40) -> str:
     return "".join(f"{frame} {person} {x:.3f} {y:.3f}\n" for frame, person, x, y in sorted(rows))
 
 
-class Learner:
-    """Stands in for a learner of stable-baselines3, where that is not installed: it acts at random."""
+#: Stands in for learners of stable-baselines3, where that is not installed: it steps environments and learns nothing.
+_LEARNER = """
+from pathlib import Path
 
-    def __init__(self, policy: str, env) -> None:
+
+class DQN:
+    def __init__(self, policy, env):
         self.env = env
 
-    def learn(self, steps: int) -> None:
-        """Step the environment as often as told, learning nothing."""
+    def learn(self, steps):
         self.env.reset(seed=0)
         for _ in range(steps):
             *_, terminated, truncated, _ = self.env.step(self.env.action_space.sample())
             if terminated or truncated:
                 self.env.reset()
 
-    def predict(self, observation, deterministic: bool = False):
-        """An action, and no state."""
-        assert observation.shape == self.env.observation_space.shape
-        return self.env.action_space.sample(), None
+    def predict(self, seen, deterministic=False):
+        assert seen.shape == (28,)
+        return 4, None
 
-    def save(self, path: str) -> None:
-        """Write nothing of worth."""
+    def save(self, path):
         Path(path).write_bytes(b"")
 
+    @classmethod
+    def load(cls, path):
+        assert Path(path).exists()
+        return cls("MlpPolicy", None)
 
-def stand_in(monkeypatch) -> None:
-    """Put a stand-in in the place of stable-baselines3, where it is missing."""
-    try:
-        import stable_baselines3  # noqa: F401
-    except ImportError:
-        module = ModuleType("stable_baselines3")
-        module.DQN = module.PPO = Learner
-        monkeypatch.setitem(sys.modules, "stable_baselines3", module)
+
+PPO = DQN
+"""
+
+
+def stand_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put a stand-in in the place of stable-baselines3, where it is missing, for worker processes too."""
+    if find_spec("stable_baselines3") is None:
+        (folder / "stand_in").mkdir()
+        (folder / "stand_in" / "stable_baselines3.py").write_text(_LEARNER, encoding="utf-8")
+        monkeypatch.syspath_prepend(str(folder / "stand_in"))
+        monkeypatch.delitem(sys.modules, "stable_baselines3", raising=False)

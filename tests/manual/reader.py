@@ -51,6 +51,7 @@ def few_python(text: str) -> str:
     """The same block with one run, few seeds and steps of a learner."""
     text = re.sub(r"\bruns=\d+", "runs=1", text)
     text = re.sub(r"\bseeds=range\(\d+\)", "seeds=range(1)", text)
+    text = re.sub(r"\brange\(1000, 1\d+\)", "range(1000, 1004)", text)
     return text.replace(".learn(100_000)", ".learn(100)")
 
 

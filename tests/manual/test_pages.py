@@ -21,7 +21,7 @@ def reader(tmp_path, monkeypatch, bayeshunt):
     bring(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    stand_in(monkeypatch)
+    stand_in(tmp_path, monkeypatch)
     someone = Reader(tmp_path, bayeshunt)
     yield someone
     someone.close()
