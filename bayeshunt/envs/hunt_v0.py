@@ -77,10 +77,8 @@ class HuntParallelEnv(ParallelEnv, EzPickle):  # type: ignore[misc]  # PettingZo
         self._hunter_before: Pose | None = None
 
     @property
-    def pursuit(self) -> Pursuit:
-        """The hunt itself, to look at: :func:`bayeshunt.planner_policy` asks a planner about it."""
-        if self._hunt.pursuit is None:
-            raise InputError("no hunt is running; call reset() first")
+    def pursuit(self) -> Pursuit | None:
+        """The hunt itself, to look at, None before the first: :func:`bayeshunt.planner_policy` asks a planner of it."""
         return self._hunt.pursuit
 
     def observation_space(self, agent: str) -> gymnasium.spaces.Space[Any]:
