@@ -68,8 +68,9 @@ def test_the_table_shows_counts_beside_what_was_believed():
     assert shown.loc[likeliest, "turned"] == pytest.approx(-1.0)
     assert shown["before"].tolist()[:2] == pytest.approx([0.5, 0.5])
     assert shown["probability"].sum() == pytest.approx(1.0)
-    assert (shown["low"] <= shown["probability"]).all()
-    assert (shown["probability"] <= shown["high"]).all()
+    for one in (shown, table.table(0.9, 0.3)):
+        assert (one["low"] <= one["probability"]).all()
+        assert (one["probability"] <= one["high"]).all()
     assert table.rows(0.2, math.pi).startswith("of these 2 transitions with the hunter there; the rest from 2 with")
     assert "of these 0 transitions" in table.rows(0.9, 0.0)
 

@@ -158,9 +158,10 @@ class Reactions:
         chance = self.chances(*one)[0]
         coarser = (chance * (there.sum() + self.backoff) - there)[:, None]
         low, high = statistics.credible_interval(there[:, None], np.maximum(coarser, 0.0), level=level)
+        low, high = np.minimum(low[:, 0], chance), np.maximum(high[:, 0], chance)  # the mean of a rare one lies beyond
         columns = {
-            "moved": self.motions.distance, "turned": self.motions.heading, "probability": chance, "low": low[:, 0],
-            "high": high[:, 0], "count": there.astype(int), "sector": ((sectors == sector) @ made).astype(int),
+            "moved": self.motions.distance, "turned": self.motions.heading, "probability": chance, "low": low,
+            "high": high, "count": there.astype(int), "sector": ((sectors == sector) @ made).astype(int),
             "everywhere": made.sum(axis=0).astype(int), "before": self.beforehand(*one)[0],
         }  # fmt: skip
         return pd.DataFrame(columns).rename_axis("Motion")
