@@ -144,6 +144,19 @@ _RULES = """
 .bh .bh-phone{display:none}
 @media(max-width:520px){.bh .bh-phone{display:block}.bh .bh-desk{display:none}}
 .bh .bh-scroll+.bh-scroll{margin-top:10px}
+.bh th button{all:unset;cursor:pointer;text-decoration:underline dotted;text-underline-offset:3px}
+.bh th button:hover{text-decoration:underline}
+.bh button:focus-visible{outline:3px solid var(--bh-hunter);outline-offset:1px;border-radius:3px}
+.bh .bh-side{position:fixed;inset:0 0 0 auto;width:min(420px,100%);height:100%;max-width:none;max-height:none;margin:0;
+ padding:12px 14px;border:0;border-left:1px solid var(--bh-line);background:var(--bh-paper);color:var(--bh-ink);
+ overflow:auto;box-shadow:0 0 24px rgba(0,0,0,.25)}
+@media(max-width:620px){.bh .bh-side{inset:auto 0 0 0;width:100%;height:auto;max-height:66vh}}
+.bh .bh-head{margin-bottom:8px;display:flex;gap:10px;justify-content:space-between;align-items:flex-start}
+.bh .bh-crumbs{display:flex;flex-wrap:wrap;gap:2px 6px;list-style:none;margin:0;padding:0;font-weight:600}
+.bh .bh-crumbs li+li::before{content:"› "}
+.bh .bh-side button{font:inherit;color:inherit;padding:1px 8px;min-height:24px;background:var(--bh-panel);
+ border:1px solid var(--bh-line);border-radius:6px;cursor:pointer}
+.bh .bh-side p{margin:8px 0}
 .bh .bh-two{display:flex;flex-wrap:wrap;gap:16px;align-items:flex-start}
 .bh .bh-two>*{min-width:0}
 .bh .bh-tree details{margin:0 0 0 18px;border-left:1px solid var(--bh-line)}

@@ -61,6 +61,27 @@ def test_a_click_keeps_the_words_and_arrow_keys_go_on(show, model) -> None:
     only_itself(watch)
 
 
+def test_a_bar_opens_down_to_its_rows_and_back(show, model) -> None:
+    """By Enter: the formula, the cells with their counts, the rows; back by the breadcrumb; Esc closes."""
+    answer = bh.InverseModel(model).posterior(0.15, 0.4)
+    page, watch = show(answer)
+    opened = page.locator(".bh-side:popover-open")
+    page.locator("th button", has_text=answer.best).focus()
+    page.keyboard.press("Enter")
+    found = bh.trace(answer)
+    assert opened.locator("p").inner_text().endswith(f"= {found.factors.loc[found.gait, 'posterior']:.4g}")
+    counts = opened.locator("td button").all_inner_texts()
+    assert [int(text.split()[0]) for text in counts] == found.cells["count"].tolist()
+    opened.locator("td button").last.click()
+    rows = opened.last.locator("tbody th").all_inner_texts()
+    assert rows == [str(label) for label in found.rows("Angle").index[: len(rows)]]
+    opened.last.locator(".bh-crumbs button").click()
+    assert opened.count() == 1
+    page.keyboard.press("Escape")
+    assert opened.count() == 0
+    only_itself(watch)
+
+
 #: What JupyterLab 4 says of tables in an output, in its own words.
 JUPYTER = """
 .jp-RenderedHTMLCommon table{border-collapse:collapse;border-spacing:0;border:none;font-size:13px;table-layout:fixed;

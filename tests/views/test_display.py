@@ -19,7 +19,7 @@ from bayeshunt.views.sheets import models, sheet, tables
 #: Elements that a display needs; none that runs code, loads anything or leaves the page.
 ALLOWED = {
     "div", "span", "style", "dl", "dt", "dd", "details", "summary", "label", "input", "table", "thead", "tbody", "tr",
-    "th", "td", "svg", "g", "rect", "circle", "polyline", "polygon", "path", "text", "title",
+    "th", "td", "svg", "g", "rect", "circle", "polyline", "polygon", "path", "text", "title", "ol", "li", "p", "button",
 }  # fmt: skip
 
 
@@ -38,6 +38,10 @@ def check(html: str) -> Reader:
             assert name not in ("href", "src", "action", "srcset"), name
             assert name == "xmlns" or "://" not in (value or ""), value
             assert name != "style" or re.fullmatch(r"[a-z0-9.%:;\-]+", value), value
+    panels = {e["attributes"]["id"] for e in page.find("div", "bh-side")}
+    for button in page.find("button"):  # all that one does is to open or close a panel of the same card
+        assert button["attributes"]["type"] == "button"
+        assert button["attributes"]["popovertarget"] in panels
     for style in page.find("style"):
         assert "@import" not in style["text"]
         assert "url(" not in style["text"]

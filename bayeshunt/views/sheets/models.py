@@ -22,7 +22,8 @@ from bayeshunt.views.drawings import maps, network
 from bayeshunt.views.drawings.tornado import tornado
 from bayeshunt.views.notebook.html import Html, join, number, tag
 from bayeshunt.views.sheets import tracing
-from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Printed, Sheet, Table
+from bayeshunt.views.sheets.panels import panels
+from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Opening, Part, Printed, Sheet, Table
 from bayeshunt.views.sheets.tables import heat_table
 
 #: What the columns of an explanation are compared with.
@@ -163,7 +164,7 @@ def posterior(answer: Posterior) -> Sheet:
     shares = dict(zip(answer.source.gaits, answer.values.tolist(), strict=True))
     parts = [
         Note(grounds.beyond(answer)) if answer.beyond else None,
-        Bars(shares, answer.best, None if found is None else grounds.within(found)),
+        bars(answer, shares, answer.best, None if found is None else grounds.within(found)),
         Drawn(lambda: _explanation(answer), Note(_EXPLAINED), title="What each variable said")
         if len(shares) > 1
         else None,
@@ -172,6 +173,13 @@ def posterior(answer: Posterior) -> Sheet:
         Drawn(lambda: _opened(answer), title=f"Where P({answer.best}) comes from") if found is not None else None,
     ]
     return Sheet(f"P(Gait | {', '.join(answer.evidence)})", f"most probable: {answer.best}", pairs, parts)
+
+
+def bars(answer: Posterior | None, shares: dict[str, float], lit: str, within: Any) -> Part:
+    """Return a posterior as bars, each of which opens a panel with what it is made of where rows were counted."""
+    if answer is None or not answer.model.has_counts:
+        return Bars(shares, lit, within)
+    return Opening(partial(panels, answer), Bars(shares, lit, within))
 
 
 def _opened(answer: Posterior) -> Html:

@@ -14,7 +14,8 @@ from bayeshunt.planners.api import Plan
 from bayeshunt.views import grounds
 from bayeshunt.views.drawings import maps
 from bayeshunt.views.notebook.html import Html, number, tag
-from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Part, Printed, Sheet, Table
+from bayeshunt.views.sheets.models import bars
+from bayeshunt.views.sheets.sheet import Drawn, Note, Part, Printed, Sheet, Table
 from bayeshunt.views.terminal.text_tables import clean
 
 #: At most so many children of a node and so many nodes of a tree are shown.
@@ -51,8 +52,8 @@ def alternatives(shown: Plan) -> tuple[Part, Part | None]:
         return Drawn(lambda: tree(trace), title="The search tree", opened=True), Printed(lambda: _branch_lines(trace))
     if shown.posterior is not None and "gait" in trace.columns and len(trace) == len(shown.posterior):
         shares = dict(zip(map(str, trace["gait"]), np.asarray(shown.posterior).tolist(), strict=True))
-        bars = Bars(shares, shown.gait, _within(shown, trace))
-        return Drawn(bars), Printed(bars.lines)
+        found = bars(shown.answer, shares, shown.gait, _within(shown, trace))
+        return Drawn(found), Printed(found.lines)
     return frame_table(trace), None
 
 

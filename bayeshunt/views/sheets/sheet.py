@@ -14,7 +14,7 @@ from bayeshunt.core.units import bounds, true_minus
 from bayeshunt.views.notebook.html import Html, card, facts, fold, join, row, table, tag
 from bayeshunt.views.terminal.text_tables import align, clean, printable
 
-__all__ = ["Bars", "Drawn", "Note", "Part", "Printed", "Sheet", "Table"]
+__all__ = ["Bars", "Drawn", "Note", "Opening", "Part", "Printed", "Sheet", "Table"]
 
 _WIDTH = 100  # columns of running text, at most
 _BAR = 24  # characters of a full bar
@@ -64,12 +64,13 @@ class Table(NamedTuple):
 class Bars(NamedTuple):
     """Probabilities by name, one of which may stand out.
 
-    within: the interval of each, low and high; None where nobody knows.
+    within: the interval of each, low and high; None where nobody knows. opens: the panel of each, by its id.
     """
 
     shares: dict[str, float]
     lit: str | None = None
     within: dict[str, tuple[float, float]] | None = None
+    opens: dict[str, str] | None = None
 
     def lines(self) -> list[str]:
         """Return a line per name: name, bar, probability."""
@@ -93,9 +94,15 @@ class Bars(NamedTuple):
             # the shortest bar is still a stub, which would contradict a printed zero
             bar = tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%") if float(said) else ""
             inner = tag("div", bar, self._whisker(name, top), class_="bh-scale", style=f"width:{100 * top / end:.1f}%")
-            rows.append(row(name, [tag("td", inner, class_="bh-track"), self._said(name)], lit=name == self.lit))
+            rows.append(
+                row(self._named(name), [tag("td", inner, class_="bh-track"), self._said(name)], lit=name == self.lit)
+            )
         heads = ["Gait", "", "probability" if self.within is None else "probability (95 % interval)"]
         return table(heads, rows, class_="bh-bars")
+
+    def _named(self, name: str) -> Any:
+        """The name, which opens its panel."""
+        return name if self.opens is None else tag("button", name, type="button", popovertarget=self.opens[name])
 
     def _whisker(self, name: str, top: float) -> Any:
         """A line over the bar from the low to the high end of its interval."""
@@ -104,6 +111,25 @@ class Bars(NamedTuple):
         low, high = self.within[name]
         place = f"left:{100 * low / top:.1f}%;width:{100 * (high - low) / top:.1f}%"
         return tag("span", class_="bh-whisker", style=place)
+
+
+class Opening(NamedTuple):
+    """Bars whose names open panels, made only when HTML is asked for.
+
+    make: returns name -> id of its panel, and the panels.
+    """
+
+    make: Callable[[], tuple[dict[str, str], Html]]
+    bars: Bars
+
+    def lines(self) -> list[str]:
+        """Return the bars as lines."""
+        return self.bars.lines()
+
+    def html(self) -> Html:
+        """Return the bars and their panels."""
+        ids, panels = self.make()
+        return join([self.bars._replace(opens=ids).html(), panels])
 
 
 class Note(NamedTuple):
