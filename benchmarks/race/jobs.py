@@ -114,7 +114,8 @@ def _jobs() -> list[Job]:
     return [
         *(Job(name, arena, n, 0) for name in _OURS for arena in _BOTH for n in BABBLED),
         *_tuned("PPO", cheap, (0,)), *_tuned("DQN", cheap[:3], (0,)), *_tuned("PPO", (300_000,), (0,)),
-        *_defaults("shaped"), *_changed(), *_defaults("time"), *_tuned("PPO", cheap[4:], (1, 2)),
+        *_defaults("shaped"), *_changed(), *(Job("PPO", arena, 100_000, 0, "time", True) for arena in _BOTH),
+        *_defaults("time"), *_tuned("PPO", cheap[4:], (1, 2)),
         *_tuned("DQN", cheap[3:4], (0,)), *(Job(name, arena, 2000, 0, runs=100) for name in _OURS for arena in _BOTH),
         *_elsewhere(), *_tuned("DQN", cheap[:3], (1, 2)), *_tuned("PPO", cheap[:4], (1, 2)),
         *_tuned("PPO", (LONGEST["walled"],), (0,), ("walled",)), *_tuned("PPO", (LONGEST["open"],), (0,), ("open",)),
