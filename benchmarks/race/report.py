@@ -177,7 +177,11 @@ def _panel(panel: Any, rows: Sequence[Row], *, success: bool, dark: bool) -> Non
 
 
 def _curve(panel: Any, rows: Sequence[Row], success: bool, look: dict[str, Any]) -> None:
-    """All seeds of a number of gaits as one point: hunts together; each seed's own as a small dot."""
+    """All seeds of a number of gaits as one point: hunts together; each seed's own as a small dot.
+
+    A seed that hunted 210 times and 700 times counts with its 700, which hold the 210.
+    """
+    rows = list({(row.gaits, row.seed): row for row in sorted(rows, key=lambda row: row.hunts)}.values())
     points = []
     for gaits in sorted({_near(row.gaits) for row in rows}):
         some = [row for row in rows if _near(row.gaits) == gaits]
