@@ -45,6 +45,9 @@ __all__ = [
 #: Key of the provenance record in the Parquet file's metadata and in ``frame.attrs``.
 PROVENANCE_KEY = parquet.PROVENANCE_KEY
 
+#: How a file may store its numbers; others (categories, decimals) are written as the first.
+_PLAIN = ("float64", "float32", "float16", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)))
+
 _WHAT = "a babbling table"
 _MAKER = "bayeshunt babble"
 _FIX = f"give a table made by: {_MAKER}"
@@ -86,7 +89,8 @@ def save_dataset(
     """
     check_ending(path, "tables", ".parquet")
     validate(frame)
-    save(frame, path, provenance)
+    odd = [name for name in (*COLUMNS[1:], *path_columns(frame.columns)) if str(frame[name].dtype) not in _PLAIN]
+    save(frame.assign(**{name: frame[name].to_numpy(dtype=float) for name in odd}), path, provenance)
 
 
 def save(frame: pd.DataFrame, path: str | os.PathLike[str], provenance: Mapping[str, Any] | None = None) -> None:
@@ -103,21 +107,27 @@ def to_arrow(frame: pd.DataFrame) -> Any:
     plain.attrs = {}
     plain["gait"] = stored(frame["gait"])
     try:
-        return pa.Table.from_pandas(plain, preserve_index=False).replace_schema_metadata(None)
+        return _table(plain)
     except (pa.ArrowException, TypeError, ValueError):
-        mixed = next((name for name in plain.columns if not _fits(plain[name])), plain.columns[0])
+        mixed = next((name for name in plain.columns if not _fits(plain[[name]])), plain.columns[0])
         raise DataError(
-            f"column {mixed!r} holds values of several kinds, which Parquet cannot; "
+            f"column {mixed!r} holds values of several kinds, or of one, that Parquet cannot hold; "
             f"convert it, for example: frame[{mixed!r}].astype(str)"
         ) from None
 
 
-def _fits(values: pd.Series) -> bool:
-    """Whether Arrow can hold a column."""
+def _table(plain: pd.DataFrame) -> Any:
+    import pyarrow as pa
+
+    return parquet.storable(pa.Table.from_pandas(plain, preserve_index=False).replace_schema_metadata(None))
+
+
+def _fits(column: pd.DataFrame) -> bool:
+    """Whether Parquet can hold a table of one column."""
     import pyarrow as pa
 
     try:
-        pa.Array.from_pandas(values)
+        _table(column)
     except (pa.ArrowException, TypeError, ValueError):
         return False
     return True

@@ -27,7 +27,7 @@ def warn_implausible(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxe
     """
     if frame.empty:
         return
-    farthest = float(frame["distance"].max())
+    farthest = float(frame["distance"].to_numpy(dtype=float).max())
     bins, reach = farthest / axes.distance.width, _reach(gaits)
     problem = ""
     if reach is not None and farthest > _SLACK * reach + axes.distance.width:
@@ -40,9 +40,10 @@ def warn_implausible(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxe
             "else give the robot's own speeds, gait_duration and body, or wider bins"
         )
     for column in ("angle", "heading"):
-        if _odd(frame[column].to_numpy(dtype=float)):
+        angles = frame[column].to_numpy(dtype=float)  # however they are stored
+        if _odd(angles):
             warn(
-                f"{source}: {column} goes to {frame[column].abs().max():g} rad, beyond half a turn; if the column is "
+                f"{source}: {column} goes to {np.abs(angles).max():g} rad, beyond half a turn; if the column is "
                 f"in degrees, convert it: numpy.radians(frame[{column!r}]); else wrap it to (-pi, pi]"
             )
 

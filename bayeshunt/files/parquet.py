@@ -21,7 +21,7 @@ from bayeshunt.core.errors import DataError
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.files.records import digest as checksum
 
-__all__ = ["KEY", "PROVENANCE_KEY", "ROW_GROUP", "Reader", "digest", "read", "seal", "unseal", "write", "write_groups"]
+__all__ = ["KEY", "PROVENANCE_KEY", "ROW_GROUP", "Reader", "digest", "read", "seal", "storable", "unseal", "write", "write_groups"]
 
 #: Key of the record in the Parquet file's metadata.
 KEY = b"bayeshunt"
@@ -32,6 +32,23 @@ ROW_GROUP = 100_000
 
 #: Where the record keeps its checksums.
 _SEAL = "seal"
+
+
+def storable(table: Any) -> Any:
+    """Return an Arrow table as it comes back from a Parquet file, which keeps no dictionaries but those of text.
+
+    Raises ArrowException for a column that Parquet cannot hold, before anything is written.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+    import pyarrow.types as types
+
+    for place, field in enumerate(table.schema):
+        values = field.type.value_type if types.is_dictionary(field.type) else None
+        if values is not None and not (types.is_string(values) or types.is_large_string(values)):
+            table = table.set_column(place, field.name, table.column(place).cast(values))
+    pq.ParquetWriter(pa.BufferOutputStream(), table.schema).close()
+    return table
 
 
 def write(table: Any, record: dict[str, Any], path: str | os.PathLike[str]) -> None:

@@ -1,5 +1,7 @@
 """Gait labels that are not text, and how columns may store them: the same counts as of text."""
 
+from decimal import Decimal
+
 import numpy as np
 import pandas as pd
 import pyarrow as pa
@@ -87,6 +89,54 @@ def test_a_gait_without_a_name_is_refused(label):
 def test_columns_that_are_no_numbers_are_refused(column, values, holds):
     with pytest.raises(bh.DataError, match=rf"^table: column '{column}' holds {holds}.*; expected numbers"):
         babbling_table.validate(table(["a"] * 4).assign(**{column: values}))
+
+
+NUMBERS = {
+    "categories": lambda values: values.astype("category"),
+    "decimals": lambda values: values.map(lambda value: Decimal(repr(value))),
+    "objects": lambda values: values.astype(object),
+    "nullable": lambda values: values.astype("Float64"),
+    "arrow": lambda values: values.astype("double[pyarrow]"),
+    "sparse": lambda values: values.astype(pd.SparseDtype(float)),
+    "long": lambda values: values.astype(np.longdouble),
+}
+
+
+@pytest.mark.parametrize("kind", NUMBERS)
+def test_numbers_count_however_they_are_stored(kind, tmp_path):
+    plain = table(["a", "a", "b", "b"]).assign(path_01_forward=0.1, path_01_right=0.0, path_01_heading=0.0)
+    frame = plain.assign(**{name: NUMBERS[kind](plain[name]) for name in plain.columns[1:]})
+    model, expected = (bh.ForwardModel.fit(each, ["a", "b"], axes=AXES) for each in (frame, plain))
+    assert model == expected
+    assert model.update(frame) == expected.update(plain)
+    assert model.log_likelihood(frame) == expected.log_likelihood(plain)
+    bh.save_dataset(frame, tmp_path / "t.parquet")
+    pd.testing.assert_frame_equal(bh.load_dataset(tmp_path / "t.parquet"), plain)
+
+
+@pytest.mark.parametrize(
+    "note",
+    [
+        pd.Categorical([1, 2, 1, 2]),
+        pd.Categorical([0.5, 1.5, 0.5, 1.5]),
+        pd.Categorical([True, False, True, False]),
+        pd.Categorical(pd.to_datetime([1, 2, 1, 2], unit="D")),
+        pd.Categorical(["x", "y", "x", "y"]),
+        pd.period_range("2020", periods=4, freq="D"),
+        pd.to_timedelta([1, 2, 3, 4], unit="s"),
+        [b"x", b"y", b"x", b"y"],
+    ],
+)
+def test_what_is_written_can_be_read(note, tmp_path):
+    bh.save_dataset(table(["a"] * 4).assign(note=note), tmp_path / "t.parquet")
+    assert bh.load_dataset(tmp_path / "t.parquet")["note"].tolist() == list(note)
+
+
+@pytest.mark.parametrize("note", [[{}] * 4, pd.cut(range(4), 2), [1j] * 4], ids=["empty", "intervals", "complex"])
+def test_what_cannot_be_written_is_one_line(note, tmp_path):
+    with pytest.raises(bh.DataError, match=r"^column 'note' holds values .*astype\(str\)$"):
+        bh.save_dataset(table(["a"] * 4).assign(note=note), tmp_path / "t.parquet")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_writer_keeps_the_rules_of_the_command(tmp_path):

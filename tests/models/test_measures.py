@@ -130,6 +130,31 @@ def test_a_model_of_another_robot_is_refused_before_any_step(kind: str, tmp_path
     assert not (tmp_path / "page.html").exists()
 
 
+@pytest.mark.parametrize("kind", ["duration", "commands", "body"])
+def test_a_table_of_another_robot_is_refused(kind: str, tmp_path, bayeshunt) -> None:
+    robot, says = others()[kind]
+    khepera, frame = bh.load_robot("khepera"), bh.babble(robot, 120, 0)
+    own = bh.ForwardModel.fit(bh.babble(khepera, 120, 0), khepera.gaits, 0.03)
+    says = f"^the table's robot {says.replace('khepera', 'X')}.*; give a table of this robot, or the gaits of "
+    for work, whose in (
+        (lambda: bh.ForwardModel.fit(frame, khepera.gaits, 0.03), "the gaits given"),
+        (lambda: bh.Learning(frame, khepera.gaits), "the gaits given"),
+        (lambda: bh.assess(frame, khepera.gaits), "the gaits given"),
+        (lambda: bh.assess(frame, model=own), "the model's robot"),
+        (lambda: own.update(frame), "the model's robot"),
+    ):
+        with pytest.raises(bh.InputError, match=says.replace("X", whose)):
+            work()
+    bh.save_dataset(frame, tmp_path / "table.parquet")
+    for command in (("fit", "table.parquet", "--out", "model.json"), ("assess", "table.parquet")):
+        out, err = bayeshunt(*command, "--robot", "khepera", status=2)
+        assert "the table's robot" in err, command
+        assert not out
+    assert not (tmp_path / "model.json").exists()
+    some = robot.gaits.names[2:0:-1]  # its own gaits, by name, in any choice and order
+    assert bh.ForwardModel.fit(frame[frame["gait"].isin(some)], some, 0.03).gaits.duration == robot.gait_duration
+
+
 @pytest.mark.parametrize("planner", ["pure_pursuit", "proportional_navigation", "frugal", "intercept", "reactive"])
 def test_every_planner_with_a_model_is_held_to_its_robot(planner: str) -> None:
     model = bh.ForwardModel.fit(bh.babble("car", 300, 0), bh.load_robot("car").gaits, 0.03)

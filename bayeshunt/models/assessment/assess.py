@@ -31,7 +31,7 @@ from bayeshunt.models.assessment.structures import compare
 from bayeshunt.models.assessment.warnings import warnings
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.counting.auto_axes import chosen_axes
-from bayeshunt.models.counting.measures import measured
+from bayeshunt.models.counting.measures import check_record, measured
 from bayeshunt.models.tables.effects import check_size
 from bayeshunt.models.tables.structures import (
     NAIVE,
@@ -225,9 +225,10 @@ def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
 
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
     record = frame.attrs.get(PROVENANCE_KEY, {})
+    if model is not None:
+        check_record(model.gaits, record, "the model's robot")
     if gaits is not None:
-        given = GaitRepertoire.of(gaits)
-        return given if given.body_length is not None else measured(given, _ANY_AXES, record)[0]
+        return measured(gaits, _ANY_AXES, record)[0]
     if model is not None:
         return model.gaits
     if not {"robot", "repertoire"} & set(record):

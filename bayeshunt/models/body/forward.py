@@ -31,7 +31,7 @@ from bayeshunt.models.body.residual_fit import residual_tables
 from bayeshunt.models.body.storing import WritableModel
 from bayeshunt.models.counting.auto_axes import chosen_axes, with_energy
 from bayeshunt.models.counting.joint import JointCounts
-from bayeshunt.models.counting.measures import measured
+from bayeshunt.models.counting.measures import check_record, measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
 from bayeshunt.models.motion.residuals import Residuals
 from bayeshunt.models.tables import network, sampling, structures
@@ -135,8 +135,8 @@ class ForwardModel(displays.Displayed, WritableModel):
             depends on what causes the others, in bins of ``axes.energy`` or of the highest held-out density.
 
         Raises DataError if the table is wrong or, with prior 0, if a gait ("previous_gait": a pair of
-        gaits) has no rows; InputError for a bad prior or structure; ZeroCountError if the structure
-        needs a prior.
+        gaits) has no rows; InputError for a bad prior or structure, or a table whose record names another
+        robot; ZeroCountError if the structure needs a prior.
         """
         check_hunting(structure)
         if effects is None and isinstance(structure, Structure) and structure.has_energy:
@@ -236,12 +236,13 @@ class ForwardModel(displays.Displayed, WritableModel):
     def update(self, rows: pd.DataFrame) -> ForwardModel:
         """Return a new model that has also counted ``rows``; equal to one batch fit of all rows.
 
-        Raises DataError if ``rows`` is not a babbling table of these gaits, InputError for an imported
-        network or the part of a model.
+        Raises DataError if ``rows`` is not a babbling table of these gaits, InputError for one of another robot, an
+        imported network or the part of a model.
         """
         self._check_whole("update")
         if self.has_counts:
             babbling_table.validate(rows)  # counting checks the gaits
+            check_record(self.gaits, rows.attrs.get(babbling_table.PROVENANCE_KEY), "the model's robot")
             warn_implausible(rows, self.gaits, self.source.outcome_axes)
         tables = self.source.learn(rows)
         sources = list(self.provenance.get("sources", []))
