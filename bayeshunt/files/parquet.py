@@ -21,7 +21,19 @@ from bayeshunt.core.errors import DataError
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.files.records import digest as checksum
 
-__all__ = ["KEY", "PROVENANCE_KEY", "ROW_GROUP", "Reader", "digest", "read", "seal", "storable", "unseal", "write", "write_groups"]
+__all__ = [
+    "KEY",
+    "PROVENANCE_KEY",
+    "ROW_GROUP",
+    "Reader",
+    "digest",
+    "read",
+    "seal",
+    "storable",
+    "unseal",
+    "write",
+    "write_groups",
+]
 
 #: Key of the record in the Parquet file's metadata.
 KEY = b"bayeshunt"
