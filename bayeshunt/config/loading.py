@@ -287,7 +287,7 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     if not key:
         return message
     given = first.get("input")
-    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) else ""
+    shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) and ", got " not in message else ""
     return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from pydantic import BaseModel
+
 from bayeshunt.config.schema import ExperimentSettings, PreySettings, RobotSettings
 from bayeshunt.core.errors import warn
 
@@ -13,14 +15,14 @@ __all__ = ["warn_implausible"]
 _MOST_BINS, _LEAST_BODIES = 1000, 0.05
 #: One length is hardly this many times another one of the same experiment.
 _TIMES = 1000.0
-#: A prey that turns faster than this [rad/s] turns in degrees.
+#: What turns faster than this [rad/s] turns in degrees.
 _FAST_TURN = 12.6
 
 
 def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) -> None:
     """Issue a DataWarning of one line, with the fix, for the first setting that looks like one of other units."""
     problems = _robot(settings, "") if isinstance(settings, RobotSettings) else _experiment(settings)
-    problem = next(problems, None)
+    problem = next(problems, None) or next(_turns(settings), None)
     if problem is not None:
         warn(f"{source}: {problem}")
 
@@ -67,8 +69,16 @@ def _prey(prey: PreySettings, robot: RobotSettings, bin_width: float) -> Iterato
         yield _metres("prey.body.diameter", prey.body.diameter, f"but the hunter's body is {body:g} m")
     if prey.sensor_range > _TIMES * prey.body.diameter:
         yield _metres("prey.sensor_range", prey.sensor_range, f"over {_TIMES:,.0f} body lengths")
-    if prey.turn_rate > _FAST_TURN:
-        yield f"prey.turn_rate: {prey.turn_rate:g} rad/s; if it is in degrees/s, multiply by pi / 180"
+
+
+def _turns(settings: BaseModel, prefix: str = "") -> Iterator[str]:
+    """Whatever the settings describe as a rate of turning, in any group."""
+    for name, field in type(settings).model_fields.items():
+        value = getattr(settings, name)
+        if isinstance(value, BaseModel):
+            yield from _turns(value, f"{prefix}{name}.")
+        elif "[rad/s]" in (field.description or "") and value > _FAST_TURN:
+            yield f"{prefix}{name}: {value:g} rad/s; if it is in degrees/s, multiply by pi / 180"
 
 
 def _metres(key: str, value: float, beside: str) -> str:

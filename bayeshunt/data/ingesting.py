@@ -141,7 +141,12 @@ def _numbered(table: pd.DataFrame, source: str) -> pd.DataFrame:
     """A babbling table of text or of another program, its numbers as numbers."""
     frame = table.copy()
     for name in (*babbling_table.COLUMNS[1:], *babbling_table.path_columns(frame.columns)):
-        frame[name] = as_numbers(frame[name])
+        numbers = as_numbers(frame[name])
+        lost = np.flatnonzero(np.isnan(numbers) & frame[name].notna().to_numpy())
+        if lost.size:
+            text = frame[name].iloc[lost[0]]
+            raise DataError(f"{source}: row {lost[0]}: {name} is {text!r}; expected a finite number")
+        frame[name] = numbers
     babbling_table.validate(frame, source=source)
     frame["gait"] = frame["gait"].astype(str)
     if "previous_gait" in frame:

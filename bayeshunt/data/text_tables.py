@@ -19,6 +19,8 @@ __all__ = ["as_numbers", "read_bytes", "read_text", "read_text_table", "same_nam
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?$")
 #: What stands for "no number" in logs and tracks, beside the words that pandas knows.
 _EMPTY = ["", "-", "--", "?", "nan", "NaN", "NAN", "none", "None", "null", "NULL", "NA", "N/A", "n/a", "inf", "-inf"]
+#: Columns of names, kept as they are written: gait 01 is not gait 1.
+_NAMES = ("gait", "previousgait")
 _LOOK = 200  # lines looked at to find the separator
 
 
@@ -60,11 +62,13 @@ def read_text_table(path: str | os.PathLike[str], expected: str = "a table of te
     header = _header(_cells(lines[0], separator), _cells(lines[1], separator) if len(lines) > 1 else [])
     body = lines if header is None else lines[1:]
     width = len(header if header is not None else _cells(lines[0], separator))
-    frame = _parse(body, separator, width, name, first=0 if header is None else 1)
+    names = [i for i, column in enumerate(header or ()) if same_name(column) in _NAMES]
+    frame = _parse(body, separator, width, name, 0 if header is None else 1, names)
     frame.columns = pd.Index(header if header is not None else [str(i) for i in range(width)])
     repeated = frame.columns[frame.columns.duplicated()]
     if len(repeated):
-        raise DataError(f"{name}: column {repeated[0]!r} stands twice; names must be unique")
+        hint = " (is the header missing?)" if _NUMBER.match(repeated[0]) else ""
+        raise DataError(f"{name}: column {repeated[0]!r} stands twice; names must be unique{hint}")
     return frame
 
 
@@ -114,7 +118,9 @@ def _header(first: list[str], second: list[str]) -> list[str] | None:
     return [cell or f"unnamed {i}" for i, cell in enumerate(first)]
 
 
-def _parse(lines: list[str], separator: str | None, width: int, name: str, first: int) -> pd.DataFrame:
+def _parse(
+    lines: list[str], separator: str | None, width: int, name: str, first: int, names: list[int]
+) -> pd.DataFrame:
     text = io.StringIO("\n".join(lines))
     if not lines:
         return pd.DataFrame({i: pd.Series(dtype=str) for i in range(width)})
@@ -124,6 +130,7 @@ def _parse(lines: list[str], separator: str | None, width: int, name: str, first
             frame = pd.read_csv(
                 text, sep=r"\s+" if separator is None else separator, header=None, names=range(width), index_col=False,
                 skipinitialspace=True, na_values=_EMPTY, low_memory=False, on_bad_lines="error", engine="c",
+                dtype=dict.fromkeys(names, str),
             )  # fmt: skip
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
         found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))

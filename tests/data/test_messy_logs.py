@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import math
 from collections.abc import Callable
 
@@ -177,6 +178,28 @@ def test_windows_keep_their_rows_and_index() -> None:
     ):
         with pytest.raises((DataError, InputError), match=problem):
             bh.gaits_from_windows(frame, **{"time_step": 2.0, **wrong})
+
+
+def test_a_text_table_keeps_its_gaits_as_they_are_written(tmp_path, bayeshunt) -> None:
+    rows = "gait,distance,angle,heading\n01,0.3,0,0\n1,0.2,-1,0\n1.0,0.1,1,0\n"
+    for text in (rows, rows.replace(",", ";"), rows.replace(",", "\t")):
+        (tmp_path / "t.csv").write_text(text)
+        bayeshunt("fit", "t.csv", "--out", "m.json")
+        assert bh.ForwardModel.load(tmp_path / "m.json").gaits.names == ("01", "1", "1.0")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("gait,distance,angle,heading\na,0.1,0,0\nb,abc,0,0\n", "row 1: distance is 'abc'; expected a finite number"),
+        ("a,0.1,0,0\nb,0.1,0,0\n", r"column '0' stands twice; names must be unique \(is the header missing\?\)"),
+    ],
+)
+def test_a_wrong_text_table_is_one_line(text, says, tmp_path, bayeshunt) -> None:
+    (tmp_path / "t.csv").write_text(text)
+    _, err = bayeshunt("fit", "t.csv", "--out", "m.json", status=2)
+    assert re.search(rf"t\.csv: {says}", err)
+    assert not (tmp_path / "m.json").exists()
 
 
 def test_a_table_of_another_program_is_fitted_without_a_robot(bayeshunt, tmp_path) -> None:

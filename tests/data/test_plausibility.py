@@ -58,6 +58,8 @@ def test_many_distance_bins_are_warned_of_where_no_command_is_known(khepera_fram
         ("prey.body.diameter", 57, r"prey\.body\.diameter: 57 m.*give 0\.057"),
         ("prey.sensor_range", 60, r"prey\.sensor_range: 60 m"),
         ("prey.turn_rate", 46, r"prey\.turn_rate: 46 rad/s.*degrees"),
+        ("prey.turn_sd", 45, r"prey\.turn_sd: 45 rad/s.*degrees"),
+        ("robot.body.max_steering_rate", 115, r"robot\.body\.max_steering_rate: 115 rad/s.*degrees"),
         ("arenas.open.width", 1200, r"arenas\.open\.width: 1200 m"),
         ("protocol.catch_distance", 100, r"protocol\.catch_distance: 100 bodies, and the prey starts at 5"),
     ],
