@@ -134,8 +134,8 @@ class ForwardModel(displays.Displayed, WritableModel):
         effects: ["Distance", "Angle", "Heading", "Energy"], in any order, makes the column energy [J] a node that
             depends on what causes the others, in bins of ``axes.energy`` or of the highest held-out density.
 
-        Raises DataError if the table is wrong or, with prior 0, a gait ("previous_gait": a pair) has no rows; InputError
-        for a bad prior or structure, or a table of another robot; ZeroCountError if the structure needs a prior.
+        Raises DataError if the table is wrong or, with prior 0, a gait ("previous_gait": a pair) has no rows;
+        InputError for a bad prior or structure or another robot's table; ZeroCountError if one needs a prior.
         """
         check_hunting(structure)
         if effects is None and isinstance(structure, Structure) and structure.has_energy:
