@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bayeshunt.core.arguments import checked
-from bayeshunt.core.checks import check_number, check_whole
+from bayeshunt.core.checks import FULL_TURN, beyond_a_turn, check_number, check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.geometry import wrap
 
@@ -192,3 +192,6 @@ def validate_transitions(frame: object, *, conditioned: bool = False) -> None:
         if wrong.any():
             row = int(np.flatnonzero(wrong)[0])
             raise DataError(f"transitions: row {row}: {column} is {frame[column].iloc[row]}; expected a finite number")
+        far = np.flatnonzero(np.abs(numbers) > 2 * FULL_TURN) if column in ("angle", "heading") else ()
+        if len(far):
+            raise DataError(f"transitions: row {far[0]}: {column}: {beyond_a_turn(float(numbers[far[0]]), 2)}")

@@ -4,6 +4,7 @@ import math
 import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import bayeshunt as bh
@@ -82,10 +83,17 @@ def test_degrees_are_refused_wherever_an_angle_comes_in(khepera_frame):
         lambda: prey.observe(bh.Polar(0.1, 0.5, 45)),
         lambda: bh.TurnModel(0.1).learn([bh.Polar(0.1, 0.0, 45.0)]),
         lambda: bh.RoomModel.fit(walls, inverse.model),
+        lambda: bh.Network(inverse.model).posterior("Gait", evidence={"Angle": 30}),
+        lambda: prey.update(pd.DataFrame({"distance": [0.1], "angle": [0.5], "heading": [45.0]})),
         lambda: bh.load_experiment("paper", {"protocol.thetas": [90.0]}),
     ):
         with pytest.raises(bh.InputError, match=r"expected radians from -[24] pi to [24] pi, got -?\d+; if that"):
             call()
+
+
+def test_a_robot_of_ones_own_that_starts_with_degrees_is_warned_of():
+    with pytest.warns(bh.DataWarning, match=r"^own_pose: theta is 90 rad at the start; if that is in degrees"):
+        bh.Babbler(ROBOT.gaits).record(bh.Pose(0.0, 0.0, 90.0))
 
 
 def test_the_command_says_it_in_one_line(monkeypatch, capfd, tmp_path):

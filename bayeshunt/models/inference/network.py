@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays, statistics
-from bayeshunt.core.checks import check_number
+from bayeshunt.core.checks import check_number, check_radians
 from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, did_you_mean, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.models.body.forward import ForwardModel
@@ -252,7 +252,8 @@ class Network(displays.Displayed):
         if self._axes is None or node not in {axis.name for axis in self._axes.all}:
             raise InputError(f"{node}: expected the name of one of its states, got {shown(value)}")
         number = check_number(value, node, "the name of a state, or a number in metres, radians or joules")
-        index = int(self._axes[node].index(number))
+        axis = self._axes[node]
+        index = int(axis.index(check_radians(number, node, 2) if axis.circular else number))
         if not 0 <= index < len(states):
             raise InputError(f"{node} = {number:g} lies outside its bins, {states[0]!r} to {states[-1]!r}")
         return index
