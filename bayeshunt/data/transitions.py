@@ -192,6 +192,6 @@ def validate_transitions(frame: object, *, conditioned: bool = False) -> None:
         if wrong.any():
             row = int(np.flatnonzero(wrong)[0])
             raise DataError(f"transitions: row {row}: {column} is {frame[column].iloc[row]}; expected a finite number")
-        far = np.flatnonzero(np.abs(numbers) > 2 * FULL_TURN) if column in ("angle", "heading") else ()
-        if len(far):
+        far = np.flatnonzero((np.abs(numbers) > 2 * FULL_TURN) & (column in ("angle", "heading")))
+        if far.size:
             raise DataError(f"transitions: row {far[0]}: {column}: {beyond_a_turn(float(numbers[far[0]]), 2)}")
