@@ -49,3 +49,20 @@ def test_every_recording_that_ships_has_its_licence():
             assert f"`{path.name}`" in said, path.name
     assert "CC BY 4.0" in said
     assert "Redistribution and use in source and binary forms" in said
+
+
+def test_no_page_installs_from_an_index_what_is_on_none():
+    files = [*ROOT.glob("*.md"), *(path for folder in ("docs", "notebooks", "bayeshunt") for path in
+             (ROOT / folder).rglob("*") if path.suffix in (".md", ".py", ".ipynb"))]  # fmt: skip
+    wrong = [
+        path.name for path in files if re.search(r"pip install [^\n]*\bbayeshunt\[", path.read_text(encoding="utf-8"))
+    ]
+    assert len(files) > 100
+    assert not wrong
+
+
+def test_no_generator_is_shared_by_tests():
+    shared = re.compile(r"^\w+(?:: [^=\n]+)? = \S*default_rng\([^()\n]*\)$", re.MULTILINE)
+    assert shared.search("RNG = np.random.default_rng(0)\n")
+    files = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py")}
+    assert [name for name, text in files.items() if shared.search(text)] == []
