@@ -28,6 +28,7 @@ COUNTED = ("evaluate", "sweep", "tradeoff", "figures")
 #: Arguments that make a benchmark short.
 SHORT = {
     "benchmarks": ["--only", "physics"],
+    "benchmarks.fleeing": ["--hunter", "planning", "--runs", "1", "--seed", "0"],
     "benchmarks.worlds": ["paper", "--arena", "walled", "--planner", "prediction", "--runs", "1"],
 }
 CI = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
