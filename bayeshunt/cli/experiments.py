@@ -116,9 +116,12 @@ def status(
 
 def _kept(out: Path | None) -> str:
     """What an evaluation that was stopped leaves behind."""
+    from bayeshunt.experiments.store.database import DATABASE_FILE
     from bayeshunt.experiments.store.status import status as read
 
     if out is None:
         return "nothing is kept without --out"
+    if not (out / DATABASE_FILE).exists():
+        return f"nothing is in {out} yet; give the same line again to start anew"
     found = read(out)
     return f"{found.ended} of {found.planned} hunts are kept in {out}; give the same line again to go on"

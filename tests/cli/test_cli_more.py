@@ -174,3 +174,12 @@ def test_next_lines_can_be_pasted_whatever_the_name(bayeshunt):
     assert "--set 'planner.memory_place.tables=my memory.json'" in out
     out, _ = bayeshunt("explore", "--out", "my room.json", "--steps", "300", *SMALL[:4])
     assert "--set 'planner.intercept_walls.room=my room.json'" in out
+
+
+def test_stopped_before_the_first_hunt_it_says_that_nothing_is_there(bayeshunt, tmp_path, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bayeshunt.experiments.run.runner.evaluate", stopped)
+    _, err = bayeshunt("evaluate", "--runs", "1", "--out", "far", "--quiet", status=130)
+    assert "bayeshunt: stopped; nothing is in far yet; give the same line again to start anew" in " ".join(err.split())
