@@ -31,6 +31,7 @@ from bayeshunt.experiments.protocol import hunt_seed, learn_model
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.experiments.studies.memories import remember
 from bayeshunt.experiments.studies.references import reference
+from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.asking import Timed
 from bayeshunt.planners.registry import is_ab_initio
@@ -120,12 +121,18 @@ def table(planner: str, experiment: str) -> dict[str, Any]:
     return {"tables": remember(settings, seed=1000)} if planner.startswith("memory") else {}
 
 
+@cache
+def own_model(experiment: str, seed: int) -> ForwardModel:
+    """The forward model of an experiment and a seed; babbled once per process."""
+    return learn_model(ExperimentSettings.model_validate_json(experiment), seed)
+
+
 def prepared(
     settings: ExperimentSettings, row: Row, given: dict[str, Any], arena: str, seed: int
 ) -> tuple[Planner, list[float]]:
     """Return a row's planner, ready to hunt in an arena, and the list that the CPU seconds of its decisions go into."""
     register()
-    model = learn_model(settings, seed)
+    model = own_model(settings.model_dump_json(), seed)
     mine = {**settings.planner.get(row.planner, {}), **given, **row.settings}
     settings = settings.model_copy(update={"planner": {row.planner: mine}})
     rooms = learn_rooms(settings, [row.planner], [arena], seed, model)

@@ -12,11 +12,11 @@ import numpy as np
 
 from bayeshunt.planners.interception.futures import Futures
 
-__all__ = ["Homing"]
+__all__ = ["CHASE_SHARE", "Homing"]
 
 #: A prey faster than this share of the hunter's top speed is taken to go at this share beyond the
 #: lookahead: it might never be met, and then a longer chase must still cost more than a shorter one.
-_CHASE_SHARE = 0.9
+CHASE_SHARE = 0.9
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Homing:
 
         ``|q + v u t| = reach + V t``, with v < V: one root t > 0; 0 if the prey is within reach.
         """
-        v = np.minimum(speed, _CHASE_SHARE * self.top_speed)
+        v = np.minimum(speed, CHASE_SHARE * self.top_speed)
         ux, uy = v * np.cos(heading), v * np.sin(heading)
         a = self.top_speed**2 - v**2
         b = self.reach * self.top_speed - (ahead * ux + right * uy)

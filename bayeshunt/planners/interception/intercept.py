@@ -47,9 +47,6 @@ class InterceptSettings(TurningSettings):
     error: Number = setting(
         0.03, "probability that a prey turns away from the walls, or meets one without turning", gt=0, lt=0.5
     )
-    rebound: Number = setting(
-        0.5, "angle between a wall and the prey that has turned away from it, radians", ge=0, le=1.5
-    )
 
     def __post_init__(self) -> None:
         if not self.nearest < self.farthest:

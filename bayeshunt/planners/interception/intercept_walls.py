@@ -40,12 +40,6 @@ class RoomSettings(TurningSettings):
         "body lengths that the prey's centre keeps from where the hunter's own centre is stopped, believed beforehand",
         ge=0,
     )
-    rebound: Number = setting(
-        0.5,
-        "angle between a wall and the prey that has turned away from it, radians, believed beforehand",
-        ge=0,
-        le=1.5,
-    )
     room: File[RoomModel | str | os.PathLike[str] | None] = setting(
         None,
         "a RoomModel or the path of one (bayeshunt explore --out FILE) to use instead; learned in another run, "

@@ -18,7 +18,7 @@ from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.cost import Weighed
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures, turning_futures
-from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.homing import CHASE_SHARE, Homing
 from bayeshunt.planners.interception.pairs import PairPlanner
 from bayeshunt.planners.requests import catch_distance, check_request
 from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
@@ -54,7 +54,7 @@ class TurningSettings(Weighed):
         True, 'before anything is seen, "it moves nearly as fast as I do" (True), or the prey stands still (False)'
     )
     prior_speed: Number = setting(
-        0.9, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
+        CHASE_SHARE, "that speed, as a share of the hunter's own top speed; a prey that can be caught is slower", gt=0
     )
     hazard: Number = setting(
         0.02,
@@ -68,6 +68,12 @@ class TurningSettings(Weighed):
     )
     turn_threshold: Number = setting(
         0.4, "the least heading change per leg [rad] that is a turn, if it is beyond the hunter's own wandering", gt=0
+    )
+    rebound: Number = setting(
+        0.5,
+        "angle between a wall and the prey that has turned away from it, radians, believed beforehand",
+        ge=0,
+        le=1.5,
     )
     turn_steps: Count = setting(4, "legs ahead in which a turn of the prey is considered", ge=0)
 
