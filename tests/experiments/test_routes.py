@@ -27,7 +27,7 @@ def test_a_look_sees_what_is_before_a_barrier_and_from_above_what_is_behind():
     for space in (ground, raised):
         assert space.at(0.12, 0.0) == pytest.approx(3.05 / 3.5)  # the hunter's centre can be there
         assert space.at(0.18, 0.0) == pytest.approx(0.05 / 3.5)  # not there: the barrier's face
-    assert ground.at(0.36, 0.0) == pytest.approx(0.1)  # never seen
+    assert ground.at(0.36, 0.0) == pytest.approx(1.05 / 1.5)  # hidden: nothing is known to stand there
     assert raised.at(0.36, 0.0) == pytest.approx(3.05 / 3.5)
     assert raised.at(0.51, 0.0) == pytest.approx(0.1)  # beyond its reach
 
@@ -67,9 +67,13 @@ def test_the_shortest_way_of_preset_portia():
 
 
 def test_who_knows_the_arena_chooses_right(khepera_model):
-    """Two hunts with a raised look; two of a hunter that knows nothing, and stays at the barrier."""
+    """Two hunts with raised looks, two from the ground, two of a hunter that knows nothing and stays at the barrier.
+
+    From the ground both ways look alike: it leaves the barrier in both arenas, to a side that its looks cannot tell.
+    """
     table = bh.routes(explored=(0,), looks=(5,), maps=1, runs=1, seed=700, model=khepera_model).set_index("map")
     assert table.loc["raised looks", ["chose", "right", "reached"]].tolist() == [2, 2, 2]
+    assert table.loc["looks", "chose"] == 2
     assert table.loc["gaits", ["chose", "reached"]].tolist() == [0, 0]
     assert table.loc["gaits", "time_s"] == 60.0
 

@@ -24,12 +24,15 @@ def scan(
     map: Map, start: Pose, body: float, *, looks: int, reach: float, above: bool, error: float,
     rng: np.random.Generator,
 ) -> FreeSpace:  # fmt: skip
-    """Return what ``looks`` looks around from ``start`` count: a visit for a cell that looks free, else a hit.
+    """Return what ``looks`` looks around from ``start`` count: visits of a cell that looks free, else hits.
 
     map: what stands where, in its own frame, in which ``start`` is given. body: of the hunter [m]. reach: metres that
     it sees. above: whether its eyes are higher than the obstacles, so that none hides what is behind it; else a cell
     is seen if the line to its middle is free as far as a cell before it. error: probability that a cell is taken for
     the other kind, in every look and cell anew.
+
+    Looks outvote each other: where most of them agree, they all count. A hidden cell counts as one that looked free
+    once: most of an arena is, and nothing is known to stand there.
     """
     cell, most = CELL * body, math.ceil(reach / (CELL * body))
     number = np.arange(-most, most + 1)
@@ -39,14 +42,16 @@ def scan(
     free = np.asarray(map.free(at_x, at_y))
     for turn in np.linspace(0.0, 2.0 * math.pi, _OUTLINE, endpoint=False):
         free &= map.free(at_x + 0.5 * body * math.cos(turn), at_y + 0.5 * body * math.sin(turn))
-    seen = np.hypot(x, y) <= reach
+    near = np.hypot(x, y) <= reach
+    seen = near.copy()
     if not above:
         for index in np.argwhere(seen):
             column, row = index.tolist()
             seen[column, row] = not _hidden(map, start, at_x[column, row], at_y[column, row], cell)
-    right = rng.binomial(looks, 1.0 - error, size=free.shape)
-    visits = np.where(free, right, looks - right) * seen
-    hits = np.where(free, looks - right, right) * seen
+    right = 2 * rng.binomial(looks, 1.0 - error, size=free.shape) > looks
+    looks_free = free == right
+    visits = np.where(seen, looks * looks_free, near)
+    hits = looks * (seen & ~looks_free)
     visits[most, most] = max(1, int(visits[most, most]))  # it stands there
     return FreeSpace(cell, (-most, -most), visits, hits)
 

@@ -18,8 +18,8 @@ __all__ = ["PreyMotion"]
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
 _REBOUND_SPREAD, _MEETING_SPREAD = 0.2, 0.15
-#: How far off its corner it turns [m]: it turns in an arc, a particle on the spot.
-_CORNER_SPREAD = 0.01
+#: How far off its corner it is then, as the seconds in which it goes so far: it turns in an arc, a particle on the spot.
+_CORNER_SPREAD = 0.2
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
 #: How many time-steps the first guess at the share of standing still is worth.
@@ -166,8 +166,8 @@ class PreyMotion:
                 break
             x, y, theta = x.copy(), y.copy(), theta.copy()
             theta[hit] = self._leave(normals[wall[hit]], theta[hit], rng)
-            x[hit] += rng.normal(0.0, _CORNER_SPREAD, len(hit))
-            y[hit] += rng.normal(0.0, _CORNER_SPREAD, len(hit))
+            x[hit] += rng.normal(0.0, _CORNER_SPREAD * self.speed, len(hit))
+            y[hit] += rng.normal(0.0, _CORNER_SPREAD * self.speed, len(hit))
         return x + run * np.cos(theta), y + run * np.sin(theta), theta
 
     def _turned_away(
