@@ -25,7 +25,7 @@ __all__ = ["ParticleTracker"]
 
 #: A prey whose heading was not seen at the start is taken to go away from the hunter, give or take [rad]: the worst
 #: case; with the other probability it goes any way. Chosen on seeds from 1000.
-_AWAY_SPREAD, _ANY_WAY = 0.8, 0.3
+_AWAY_SPREAD, _ANY_WAY = 0.8, 0.1
 #: A sighting that the particles explain less than this, against a false one, brings new ones.
 _UNEXPLAINED = 0.3
 #: New particles: their share of all, and of the weight.
