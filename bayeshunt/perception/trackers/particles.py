@@ -24,8 +24,8 @@ from bayeshunt.perception.trackers.sightings import Eye
 __all__ = ["ParticleTracker"]
 
 #: A prey whose heading was not seen at the start is taken to go away from the hunter, give or take [rad]: the worst
-#: case; with the other probability it goes any way. Chosen on seeds from 1000.
-_AWAY_SPREAD, _ANY_WAY = 0.8, 0.1
+#: case. Chosen on seeds from 1000; where it goes another way, the first frames say so.
+_AWAY_SPREAD = 0.8
 #: A sighting that the particles explain less than this, against a false one, brings new ones.
 _UNEXPLAINED = 0.3
 #: New particles: their share of all, and of the weight.
@@ -123,7 +123,7 @@ class ParticleTracker:
         self, detection: Detection, own: Pose, count: int, motion: PreyMotion, rng: np.random.Generator, *,
         first: bool = False, elapsed: float = 0.0,
     ) -> Cloud:  # fmt: skip
-        """Particles about a sighting. ``first``: of a hunt, when most prey are taken to go away from the hunter.
+        """Particles about a sighting. ``first``: of a hunt, when the prey is taken to go away from the hunter.
 
         elapsed: seconds since the time-step began; they are taken to have come straight.
         """
@@ -132,8 +132,7 @@ class ParticleTracker:
         assert seen is not None
         if first and math.isnan(seen.heading):
             away = np.arctan2(pose.y - own.y, pose.x - own.x) + rng.normal(0.0, _AWAY_SPREAD, count)
-            any_way = rng.random(count) < _ANY_WAY  # these keep the heading that they have
-            pose = pose._replace(theta=np.where(any_way, pose.theta, wrap(away)))
+            pose = pose._replace(theta=np.asarray(wrap(away)))
         cloud = Cloud.at(pose, motion.speeds(count, rng), motion.stands(count, rng), sightings=1.0)
         come = np.where(cloud.still, 0.0, cloud.speed * elapsed)
         return replace(cloud, from_x=pose.x - come * np.cos(pose.theta), from_y=pose.y - come * np.sin(pose.theta))
