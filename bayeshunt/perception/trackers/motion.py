@@ -18,7 +18,7 @@ __all__ = ["PreyMotion"]
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
 _REBOUND_SPREAD, _MEETING_SPREAD = 0.2, 0.15
-#: How far off its corner it is then, as the seconds in which it goes so far: it turns in an arc, a particle on the spot.
+#: How far off its corner it is then, in seconds of its way: it turns in an arc, a particle on the spot.
 _CORNER_SPREAD = 0.2
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
