@@ -23,13 +23,33 @@ def test_one_version_everywhere():
     assert f"version: {version}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
+def pinned(name: str) -> dict[str, str]:
+    """The versions that a list of CI names."""
+    lines = (ROOT / ".ci" / name).read_text(encoding="utf-8").splitlines()
+    return dict(line.split("==") for line in lines if not line.startswith("#"))
+
+
+def bounds(needed: list[str]) -> dict[str, str]:
+    """The lower bounds of requirements."""
+    return dict(re.match(r"([\w-]+)>=([\d.]+)", each).groups() for each in needed)
+
+
 def test_the_oldest_dependencies_that_are_tried_are_the_lower_bounds():
-    lines = (ROOT / ".ci" / "oldest.txt").read_text(encoding="utf-8").splitlines()
-    pinned = dict(line.split("==") for line in lines if not line.startswith("#"))
-    bounds = dict(re.match(r"([\w-]+)>=([\d.]+)", needed).groups() for needed in PROJECT["dependencies"])
-    assert pinned.keys() == bounds.keys()
-    for name, bound in bounds.items():
-        assert release(pinned[name]) == release(bound), name
+    tried, least = pinned("oldest.txt"), bounds(PROJECT["dependencies"])
+    assert tried.keys() == least.keys()
+    for name, bound in least.items():
+        assert release(tried[name]) == release(bound), name
+
+
+def test_the_oldest_extras_that_are_tried_are_their_lower_bounds():
+    extras = PROJECT["optional-dependencies"]
+    least = {}
+    for extra in ("distributed", "gym", "h5", "mujoco", "notebook", "ros"):
+        least |= bounds(extras[extra])
+    tried = pinned("oldest-extras.txt")
+    assert tried.keys() == least.keys()
+    for name, bound in least.items():
+        assert release(tried[name]) == release(bound), name
 
 
 def test_every_python_that_is_named_may_install_it():
