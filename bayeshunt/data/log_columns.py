@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import DataError, InputError, did_you_mean
-from bayeshunt.data.text_tables import same_name
+from bayeshunt.core.errors import DataError, InputError, did_you_mean, warn
+from bayeshunt.data.text_tables import same_name, says_unit
 from bayeshunt.data.tracks import UNITS
 
 __all__ = ["find_columns", "lengths", "radians_of"]
@@ -33,6 +33,10 @@ _PAIRS = (
 )  # fmt: skip
 #: So much from row to row [rad] is likelier degrees.
 _LEAP = 0.3
+#: So much from one row to the next [rad], three turns, no body turns.
+_FARTHEST_LEAP = 6 * math.pi
+#: Endings of names that say the unit of an angle.
+_ANGLES = {"deg": ("deg", "degrees", "degree", "°"), "rad": ("rad", "radians")}
 #: Endings of names that say a unit.
 _ENDINGS = ("rads", "radps", "mps", "ms", "mms", "cms", "deg", "degrees", "rad", "radians", "mm", "cm", "m")
 
@@ -99,41 +103,56 @@ def _command(plain: dict[str, str], names: list[str], used: set[Any], source: st
 
 
 def lengths(names: Sequence[str], unit: str | None, source: str) -> tuple[float, str]:
-    """Return metres of one unit of ``names`` and a note of why: as given, as the names end, or metres."""
+    """Return metres of one unit of ``names`` and a note of why: as given, as the names end, or metres.
+
+    Issues a DataWarning where the names say another unit than the one given.
+    """
     known = {name: metres for name, metres in UNITS.items() if metres is not None}
+    said = next((name for name in known if all(says_unit(column, name) for column in names)), None)
     if unit is not None:
         if unit not in known:
             raise InputError(f"{source}: unknown unit {unit!r}; expected one of {', '.join(known)}")
+        if said not in (None, unit):
+            warn(f"{source}: columns {', '.join(names)} say {said} by their names, but are read in {unit} as given; "
+                 f"if the names are right: unit='{said}' (--unit {said})")  # fmt: skip
         return known[unit], f"lengths in {unit} (as given)"
-    for name in ("mm", "cm", "m"):
-        if all(_says(column, name) for column in names):
-            return known[name], f"lengths in {name} (as the columns' names say)"
+    if said is not None:
+        return known[said], f"lengths in {said} (as the columns' names say)"
     return 1.0, "lengths in m (the default)"
 
 
 def radians_of(values: np.ndarray, name: str, angle: str | None, source: str) -> tuple[np.ndarray, str]:
     """Return headings [N] in radians and a note of how they were read: as given, as the name ends, or radians.
 
-    Raises InputError for another unit, and for what would be turns on end in radians where no unit is said.
+    Raises InputError for another unit, and for what would be turns on end in radians where no unit is said; issues a
+    DataWarning where one is said all the same, and where the name says another unit than the one given.
     """
     if angle is not None and angle not in ("rad", "deg"):
         raise InputError(f"{source}: unknown unit of angles {angle!r}; expected rad or deg")
-    if angle is None and any(_says(name, word) for word in ("deg", "degrees", "degree", "°")):
-        return np.radians(values), "heading in degrees (as its name says)"
-    if angle == "deg":
-        return np.radians(values), "heading in degrees (as given)"
-    finite = values[np.isfinite(values)]
-    if angle is None and not _says(name, "rad") and finite.size:
-        jump = np.abs(np.diff(finite))
-        wraps_at_a_turn = bool(((jump > 300) & (jump <= 360)).any())
-        turning = jump[jump > 0]
-        # an unwrapped heading in radians may reach far, but hardly leaps from row to row
-        leaps = bool(turning.size and np.median(turning) > _LEAP)
-        if wraps_at_a_turn or (leaps and float(np.abs(finite).max()) > 4 * math.pi):
-            raise InputError(f"{source}: column {name!r} reaches {np.abs(finite).max():g}: degrees or radians? "
-                             "say it: angle= (--angle rad|deg)")  # fmt: skip
+    said = next((unit for unit, words in _ANGLES.items() if any(says_unit(name, word) for word in words)), None)
+    if angle is not None and said not in (None, angle):
+        warn(f"{source}: column {name!r} says {said} by its name, but is read in {angle} as given; "
+             f"if the name is right: angle='{said}' (--angle {said})")  # fmt: skip
+    elif (angle or said) != "deg":
+        _check_radians(values[np.isfinite(values)], name, angle or said, source)
+    if "deg" in (angle, None if angle else said):
+        return np.radians(values), "heading in degrees (" + ("as given" if angle else "as its name says") + ")"
     return values, "heading in radians (" + ("as given" if angle else "the default") + "), counter-clockwise"
 
 
-def _says(name: str, unit: str) -> bool:
-    return name.lower().rstrip("])").replace("[", "_").replace("(", "_").replace(" ", "_").endswith(f"_{unit}")
+def _check_radians(values: np.ndarray, name: str, said: str | None, source: str) -> None:
+    """Raise InputError for headings that span as degrees do where no unit is ``said``; warn where radians are."""
+    jump = np.abs(np.diff(values))
+    if not jump.size:
+        return
+    reach, farthest = float(np.abs(values).max()), float(jump.max())
+    wraps_at_a_turn = bool(((jump > 300) & (jump <= 360)).any())
+    turning = jump[jump > 0]
+    # an unwrapped heading in radians may reach far, but hardly leaps from row to row
+    leaps = bool(turning.size and np.median(turning) > _LEAP) and reach > 4 * math.pi
+    if said is None and (wraps_at_a_turn or leaps):
+        raise InputError(f"{source}: column {name!r} reaches {reach:g}: degrees or radians? "
+                         "say it: angle= (--angle rad|deg)")  # fmt: skip
+    if wraps_at_a_turn or leaps or farthest > _FARTHEST_LEAP:
+        warn(f"{source}: column {name!r} is read in radians, but reaches {reach:g} and jumps by {farthest:g} from one "
+             "row to the next; if it is in degrees: angle='deg' (--angle deg)")  # fmt: skip

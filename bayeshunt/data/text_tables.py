@@ -14,7 +14,7 @@ import pandas as pd
 from bayeshunt.core.errors import DataError
 from bayeshunt.files.atomic import check_path
 
-__all__ = ["as_numbers", "read_bytes", "read_text", "read_text_table", "same_name"]
+__all__ = ["as_numbers", "read_bytes", "read_text", "read_text_table", "same_name", "says_unit"]
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?$")
 #: What stands for "no number" in logs and tracks, beside the words that pandas knows.
@@ -88,6 +88,12 @@ def as_numbers(values: pd.Series) -> np.ndarray:
 def same_name(name: str) -> str:
     """Return a column's name without case, unit in brackets and punctuation: "Pos X [m]" is "posx"."""
     return re.sub(r"[^a-z0-9]", "", re.sub(r"[\[(].*?[\])]", "", str(name)).lower())
+
+
+def says_unit(name: str, unit: str) -> bool:
+    """Return whether a column's name ends in a unit: "x_mm", "x [mm]" and "x(mm)" do in "mm"."""
+    plain = str(name).lower().rstrip("])").replace("[", "_").replace("(", "_").replace(" ", "_")
+    return plain.endswith(f"_{unit}")
 
 
 def _separator(lines: list[str], name: str) -> str | None:

@@ -18,7 +18,7 @@ import pandas as pd
 
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number
-from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.errors import DataError, InputError, warn
 from bayeshunt.core.geometry import wrap
 from bayeshunt.data.readers.keypoints import one_point
 from bayeshunt.data.readers.registry import Found, find_reader
@@ -189,7 +189,10 @@ def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], sour
         claimed = f" (the file says {claims['cm_per_pixel']:g} cm per pixel)" if "cm_per_pixel" in claims else ""
         problem = "unit is not given" if unit is None else f"unknown unit {unit!r}"
         raise InputError(f"{source}: {problem}; expected one of {', '.join(UNITS)}{claimed}")
-    metres = UNITS[unit]
+    metres, said = UNITS[unit], claims.get("unit")
+    if said in UNITS and said != unit:
+        warn(f"{source}: the file says that x and y are in {said}, but they are read in {unit} as given; "
+             f"if the file is right: unit='{said}' (--unit {said})")  # fmt: skip
     if metres is not None:
         if scale is not None:
             raise InputError(f"{source}: scale is for px or body; x and y are in {unit}")

@@ -276,3 +276,22 @@ def test_bad_text_is_one_line(text: str, problem: str, tmp_path) -> None:
     with pytest.raises(DataError, match=problem) as caught:
         bh.read_tracks(tmp_path / "t.csv", rate=1, unit="m")
     assert "\n" not in str(caught.value)
+
+
+def test_several_rows_at_one_time_without_an_id_are_refused(walk: pd.DataFrame, tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    walk.rename(columns={"id": "fish"}).to_csv(path, index=False)
+    with pytest.raises(DataError, match=r"several rows at one time \(70 of 80\) .*--columns id=NAME") as caught:
+        bh.read_tracks(path, rate=RATE, unit="m")
+    assert "\n" not in str(caught.value)
+    assert bh.read_tracks(path, rate=RATE, unit="m", columns={"id": "fish"})["id"].nunique() == 2
+    one = walk[walk.id == 1].drop(columns="id")
+    pd.concat([one, one.iloc[[3, 9]]]).to_csv(path, index=False)
+    assert bh.read_tracks(path, rate=RATE, unit="m").attrs["bayeshunt"]["dropped"] == {"same id and time": 2}
+
+
+def test_a_unit_that_the_columns_contradict_is_warned_of(walk: pd.DataFrame, tmp_path) -> None:
+    path = tmp_path / "t.csv"
+    walk.rename(columns={"x": "x_mm", "y": "y_mm"}).to_csv(path, index=False)
+    with pytest.warns(bh.DataWarning, match=r"x and y are in mm, but they are read in m .*\(--unit mm\)"):
+        bh.read_tracks(path, rate=RATE, unit="m")

@@ -11,7 +11,7 @@ import pandas as pd
 
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.readers.registry import Found
-from bayeshunt.data.text_tables import as_numbers, read_text_table, same_name
+from bayeshunt.data.text_tables import as_numbers, read_text_table, same_name, says_unit
 from bayeshunt.files import parquet
 
 __all__ = ["ParquetReader", "TextReader", "guess_columns"]
@@ -27,6 +27,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "heading": ("heading", "theta", "yaw", "angle", "orientation", "bodyangle", "dir", "direction", "headingrad"),
     "confidence": ("confidence", "likelihood", "score", "probability", "prob", "certainty"),
 }  # fmt: skip
+_UNITS = ("mm", "cm", "m", "px")
 _EXPECTED = "a file of tracks"
 
 
@@ -126,9 +127,24 @@ def _tidy(table: pd.DataFrame, source: str, columns: Mapping[str, str], keypoint
         found = guess_columns(names, columns, source)
         said = "columns: " + ", ".join(f"{meaning} = {name}" for meaning, name in found.items())
     frame = pd.DataFrame({m: as_numbers(table[name]) for m, name in found.items() if m != "id"})
+    if "id" not in found:
+        _check_alone(frame, names, source)
     frame["id"] = table[found["id"]].to_numpy() if "id" in found else "0"
-    claims = {"rate": _rate(frame)} if "time" in frame else {}
+    claims: dict[str, Any] = {"rate": _rate(frame)} if "time" in frame else {}
+    claims["unit"] = next((u for u in _UNITS if says_unit(found["x"], u) and says_unit(found["y"], u)), None)
     return Found(frame, {k: v for k, v in claims.items() if v}, (said,))
+
+
+def _check_alone(frame: pd.DataFrame, names: list[str], source: str) -> None:
+    """Raise DataError if most rows share their time with others: one individual is at one place at a time."""
+    clocks = [clock for clock in ("frame", "time") if clock in frame]
+    placed = frame[np.isfinite(frame[["x", "y", *clocks]]).all(axis=1)]
+    shared = int(placed[clocks].duplicated(keep=False).sum()) if clocks else 0
+    if shared > 0.5 * len(placed):
+        raise DataError(
+            f"{source}: several rows at one time ({shared} of {len(placed)}) and no id found among {', '.join(names)}; "
+            'name the column that tells individuals apart: columns={"id": ...} (--columns id=NAME)'
+        )
 
 
 def _rate(frame: pd.DataFrame) -> float | None:
