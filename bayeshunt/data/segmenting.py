@@ -7,14 +7,14 @@ holds the repertoire, so that models need no robot file.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number
-from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.geometry import wrap
 from bayeshunt.data.command_gaits import NamedGaits, gaits_of_commands
 from bayeshunt.data.logs import command_columns
@@ -26,6 +26,8 @@ __all__ = ["gaits_from_log", "gaits_from_windows"]
 
 #: Radians that no window turns: a turn and a half either way is likelier a column in degrees.
 _MOST_TURN = 3 * np.pi
+#: A hold may end one sample early, and a quarter more for a clock that jitters; at most this much of a time-step.
+_SAMPLES, _EARLY = 1.25, 0.25
 
 
 @checked
@@ -61,7 +63,8 @@ def gaits_from_windows(
     named = isinstance(gaits, str) and gaits != "held"
     for name in (*command, *pose, *([gaits] if named else []), *([run] if run else [])):
         if name not in frame.columns:
-            raise DataError(f"windows: column {name!r} is missing; the table has {', '.join(map(str, frame.columns))}")
+            raise DataError(f"windows: column {name!r} is missing; the table has {', '.join(map(str, frame.columns))}"
+                            f"{_near(gaits, frame) if name == gaits else ''}")  # fmt: skip
     step = _time_step(time_step)
     values = np.stack([as_numbers(frame[name]) for name in (*command, *pose)], axis=1)
     good = np.isfinite(values).all(axis=1)
@@ -96,8 +99,9 @@ def gaits_from_log(
 ) -> pd.DataFrame:
     """Return the babbling table of a log made by :func:`bayeshunt.read_log`, cut into windows of ``time_step`` seconds.
 
-    Where commands are held for a time-step or longer, windows lie within one command, from its start on, and what is
-    left of a hold is left out; otherwise they follow each other, and the command of a window is its mean.
+    Where commands are held for a time-step (within one sample) or longer, windows lie within one command, from its
+    onset on, and what is left of a hold before the next onset is left out; otherwise they follow each other, and the
+    command of a window is its mean.
     gaits, seed, body_length: as for :func:`gaits_from_windows`. ``previous_gait`` is known only where the window before
     ends where this one begins, or lies in the same hold.
     """
@@ -106,12 +110,13 @@ def gaits_from_log(
     names = command_columns(log.columns)
     named = isinstance(gaits, str) and gaits != "held"
     if named and gaits not in log.columns:
-        raise DataError(f"log: column {gaits!r} is missing; the log has {', '.join(map(str, log.columns))}")
+        raise DataError(f"log: column {gaits!r} is missing; the log has {', '.join(map(str, log.columns))}"
+                        f"{_near(gaits, log)}")  # fmt: skip
     holds = _holds(log, [*names, str(gaits)] if named else names, step)
     starts, lost = _windows(log, holds, step)
     if not len(starts):
         raise DataError(f"log: no unbroken run (or hold of a command) is as long as one time-step of {step:g} s")
-    moved, commands, rows = _measured(log, names, starts, step)
+    moved, commands, rows = _measured(log, names, starts, step, held=holds is not None)
     column = log[gaits].iloc[rows].reset_index(drop=True) if named else None
     found = gaits_of_commands(commands, gaits, column, seed=seed)
     begun, run, hold = starts["time"].to_numpy(), starts["run"].to_numpy(), starts["hold"].to_numpy()
@@ -122,6 +127,11 @@ def gaits_from_log(
     table.insert(0, "step", np.arange(len(table)))
     table["time"], table["run"] = begun, run
     return _with_record(table, found, moved, step, body_length, log.attrs, lost, _held_note(holds))
+
+
+def _near(gaits: int | str, table: pd.DataFrame) -> str:
+    """How an error about ``gaits`` ends: "held", or a column, that was likely meant."""
+    return did_you_mean(gaits, ["held", *map(str, table.columns)], listed=False)
 
 
 def _time_step(value: float | None) -> float:
@@ -144,12 +154,36 @@ def _holds(log: pd.DataFrame, names: list[str], step: float) -> np.ndarray | Non
     values, run = log[names].to_numpy(), log["run"].to_numpy()
     change = (values[1:] != values[:-1]).any(axis=1) | (run[1:] != run[:-1])
     hold = np.concatenate([[0], np.cumsum(change)])
-    time = log["time"].to_numpy()
-    first = np.flatnonzero(np.concatenate([[True], change]))
-    last = np.concatenate([first[1:] - 1, [len(log) - 1]])
-    lasts = time[last] - time[first]
-    long = lasts >= 0.95 * step  # the last row of a hold is one sample before its end
+    found = _pieces(log, hold, step)
+    lasts = found.lasts
+    long = lasts >= 0.95 * step - found.early
     return hold if lasts[long].sum() > 0.5 * lasts.sum() and lasts.sum() > 0 else None
+
+
+class _Pieces(NamedTuple):
+    """Unbroken pieces of a log: their first rows and the rows after them, how long they last, and may fall short [s].
+
+    A command holds until the next one comes: a piece lasts up to the first row of the next one in the same run.
+    ``early`` is about one sample, as logs are no finer, but no more than the run still goes on after the piece.
+    """
+
+    first: np.ndarray
+    after: np.ndarray
+    lasts: np.ndarray
+    early: np.ndarray
+
+
+def _pieces(log: pd.DataFrame, piece: np.ndarray, step: float) -> _Pieces:
+    time, run = log["time"].to_numpy(dtype=float), log["run"].to_numpy()
+    first = np.flatnonzero(np.concatenate([[True], piece[1:] != piece[:-1]]))
+    after = np.concatenate([first[1:], [len(log)]])
+    following = np.minimum(after, len(log) - 1)
+    goes_on = (after < len(log)) & (run[following] == run[first])
+    lasts = np.where(goes_on, time[following], time[after - 1]) - time[first]
+    gaps = np.diff(time)[run[1:] == run[:-1]]
+    sample = float(np.median(gaps)) if gaps.size else 0.0
+    spare = log.groupby("run")["time"].transform("max").to_numpy(dtype=float)[first] - time[first] - lasts
+    return _Pieces(first, after, lasts, np.minimum(spare, min(_SAMPLES * sample, _EARLY * step)))
 
 
 def _windows(log: pd.DataFrame, holds: np.ndarray | None, step: float) -> tuple[pd.DataFrame, dict[str, int]]:
@@ -157,13 +191,9 @@ def _windows(log: pd.DataFrame, holds: np.ndarray | None, step: float) -> tuple[
     run = log["run"].to_numpy()
     piece = run if holds is None else holds
     time = log["time"].to_numpy()
-    first = np.flatnonzero(np.concatenate([[True], piece[1:] != piece[:-1]]))
-    after = np.concatenate([first[1:], [len(log)]])
-    # a command holds until the next one comes: up to the first row of the next hold, in the same run
-    ends = [time[b] if b < len(log) and run[b] == run[a] else time[b - 1] for a, b in zip(first, after, strict=True)]
     parts, lost = [], 0
-    for number, (a, b, end) in enumerate(zip(first, after, ends, strict=True)):
-        count = int((end - time[a]) / step + 1e-6)
+    for number, (a, b, lasts, early) in enumerate(zip(*_pieces(log, piece, step), strict=True)):
+        count = int((lasts + early) / step + 1e-6)
         lost += int((time[a:b] > time[a] + count * step + 1e-9).sum()) if count else int(b - a)
         if count:
             parts.append(pd.DataFrame({"time": time[a] + step * np.arange(count), "run": run[a], "hold": number}))
@@ -172,9 +202,12 @@ def _windows(log: pd.DataFrame, holds: np.ndarray | None, step: float) -> tuple[
 
 
 def _measured(
-    log: pd.DataFrame, names: list[str], starts: pd.DataFrame, step: float
+    log: pd.DataFrame, names: list[str], starts: pd.DataFrame, step: float, *, held: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pose [W, 3] after each window in the frame at its start, mean command [W, A], and the row where it starts."""
+    """Pose [W, 3] after each window in the frame at its start, its command [W, A], and the row where it starts.
+
+    held: the command is that of the first row, though a window may reach a sample into the next hold; else the mean.
+    """
     moved, commands, rows = np.zeros((len(starts), 3)), np.zeros((len(starts), len(names))), np.zeros(len(starts), int)
     for run, windows in starts.groupby("run", sort=False):
         at = np.flatnonzero(log["run"].to_numpy() == run)
@@ -191,8 +224,8 @@ def _measured(
         sums = np.vstack([np.zeros(len(names)), np.cumsum(part[names].to_numpy(dtype=float), axis=0)])
         mean = (sums[last] - sums[first]) / (last - first)[:, None]
         values = part[names].to_numpy(dtype=float)
-        held = np.array([bool((values[a:b] == values[a]).all()) for a, b in zip(first, last, strict=True)])
-        commands[windows.index] = np.where(held[:, None], values[np.minimum(first, len(part) - 1)], mean)
+        same = np.array([held or bool((values[a:b] == values[a]).all()) for a, b in zip(first, last, strict=True)])
+        commands[windows.index] = np.where(same[:, None], values[np.minimum(first, len(part) - 1)], mean)
         rows[windows.index] = at[np.minimum(first, len(part) - 1)]
     return moved, commands, rows
 

@@ -212,3 +212,69 @@ def test_a_table_of_another_program_is_fitted_without_a_robot(bayeshunt, tmp_pat
         bayeshunt("fit", name, "--out", "m.json")
         out, _ = bayeshunt("query", "m.json", "--distance", "0.3", "--angle", "0", "--json")
         assert json.loads(out)["best"] == "go"
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.002])
+@pytest.mark.parametrize("rows", [10, 9])
+def test_a_hold_of_one_time_step_lasts_up_to_the_next_command(jitter: float, rows: int) -> None:
+    rng = np.random.default_rng(3)
+    wheels = [(left, right) for left in (0.1, 0.2) for right in (0.1, 0.15, 0.2, 0.25)]
+    told = np.repeat(np.array(wheels * 22), rows, axis=0)
+    time = np.arange(len(told)) / 10
+    time += rng.uniform(-jitter, jitter, len(time))
+    x = np.concatenate([[0.0], np.cumsum(told[:-1].mean(axis=1) * np.diff(time))])
+    log = pd.DataFrame({"time": time, "x": x, "y": 0.0, "yaw": 0.0, "command_0": told[:, 0], "command_1": told[:, 1],
+                        "run": 0})  # fmt: skip
+    table = bh.gaits_from_log(log, time_step=1.0, gaits="held")
+    assert table["gait"].nunique() == 8
+    assert len(table) == 22 * 8 - 1  # the last has no pose at its end
+    assert "commands are held: windows lie within one" in table.attrs["bayeshunt"]["notes"]
+    assert table[["command_0", "command_1"]].to_numpy().tolist() == told[::rows][:-1].tolist()
+    assert table["previous_gait"].iloc[1:].tolist() == table["gait"].iloc[:-1].tolist()
+    if rows == 10:
+        assert table["distance"].to_numpy() == pytest.approx(told[::10][:-1].mean(axis=1), abs=1e-3)
+
+
+def test_commands_held_for_half_a_time_step_are_not_held() -> None:
+    told = np.repeat(np.arange(40.0), 5)
+    log = pd.DataFrame({"time": np.arange(200) / 10, "x": 0.01 * np.arange(200), "y": 0.0, "yaw": 0.0,
+                        "command_0": told, "run": 0})  # fmt: skip
+    table = bh.gaits_from_log(log, time_step=1.0, gaits=3)
+    assert "commands change: windows take means" in table.attrs["bayeshunt"]["notes"]
+
+
+def test_a_misspelt_held_is_guessed(tmp_path) -> None:
+    drive().to_csv(tmp_path / "log.csv", index=False)
+    log = bh.read_log(tmp_path / "log.csv")
+    with pytest.raises(DataError, match=r"column 'hold' is missing.*did you mean 'held'"):
+        bh.gaits_from_log(log, time_step=1.0, gaits="hold")
+    windows = log.rename(columns={"command_0": "cmd_left", "command_1": "cmd_right"})
+    with pytest.raises(DataError, match=r"column 'hold' is missing.*did you mean 'held'"):
+        bh.gaits_from_windows(windows, time_step=1.0, gaits="hold")
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "says"),
+    [
+        (degrees, {"angle": "rad"}, r"column 'yaw' is read in radians, .*angle='deg' \(--angle deg\)"),
+        (lambda d: named(degrees(d), yaw="yaw_rad"), {}, r"read in radians, .*\(--angle deg\)"),
+        (lambda d: d.assign(yaw=d.yaw + 20 * (d.index > 900)), {}, r"jumps by 20.* \(--angle deg\)"),
+        (lambda d: named(degrees(d), yaw="yaw [deg]"), {"angle": "rad"}, r"says deg by its name.*\(--angle deg\)"),
+        (lambda d: named(d, yaw="yaw_rad"), {"angle": "deg"}, r"says rad by its name.*\(--angle rad\)"),
+        (lambda d: named(d, x="px_mm", y="py_mm"), {"unit": "m"}, r"px_mm, py_mm say mm .*\(--unit mm\)"),
+    ],
+)  # fmt: skip
+def test_a_unit_that_the_log_contradicts_is_warned_of(change, arguments, says: str, tmp_path) -> None:
+    log = change(drive())
+    log.to_csv(tmp_path / "log.csv", index=False)
+    with pytest.warns(bh.DataWarning, match=says) as caught:
+        bh.read_log(tmp_path / "log.csv", pose=tuple(log.columns[1:4]), **arguments)
+    assert len(caught) == 1
+    assert "\n" not in str(caught[0].message)
+
+
+def test_units_that_agree_are_not_warned_of(tmp_path, recwarn) -> None:
+    wide = drive().assign(yaw=lambda d: d.yaw + 100)  # unwrapped, after many turns
+    named(wide, x="px_m", y="py_m", yaw="yaw_rad").to_csv(tmp_path / "log.csv", index=False)
+    bh.read_log(tmp_path / "log.csv", pose=("px_m", "py_m", "yaw_rad"), unit="m", angle="rad")
+    assert not recwarn.list
