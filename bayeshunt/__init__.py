@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     )
     from bayeshunt.core.gaits import Gait, GaitRepertoire
     from bayeshunt.core.geometry import Polar, Pose, wrap
+    from bayeshunt.core.task import Task
     from bayeshunt.data.babbling_table import load as load_dataset
     from bayeshunt.data.babbling_table import save_dataset
     from bayeshunt.data.logs import read_log
@@ -135,6 +136,7 @@ _HOMES = {
     **{name: ("bayeshunt.experiments.store.export", name) for name in ("load_results", "save_results")},
     **{name: ("bayeshunt.core.gaits", name) for name in ("Gait", "GaitRepertoire")},
     **{name: ("bayeshunt.core.geometry", name) for name in ("Polar", "Pose", "wrap")},
+    "Task": ("bayeshunt.core.task", "Task"),
     **{name: ("bayeshunt.models.assessment.assess", name) for name in ("Assessment", "assess")},
     "ForwardModel": ("bayeshunt.models.body.forward", "ForwardModel"),
     "import_network": ("bayeshunt.models.formats.interchange", "read_network"),

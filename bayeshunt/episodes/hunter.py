@@ -52,9 +52,9 @@ class Hunter(Perceiver):
         knows what it sees), of a tracker, ``SensingSettings`` or a tracker of your own;
         None: the exact one, which believes what it is told.
     seed: of all that the planner and the tracker draw.
-    prey_model: what is known of the prey beforehand (it is copied); None: nothing. task: what counts as a catch; None:
-        1.02 bodies. gaits: the repertoire, if neither planner nor model says it. streams: generators by role
-        instead of the seed's.
+    prey_model: what is known of the prey beforehand (it is copied); None: nothing. task: what counts as a catch, a
+        ``bayeshunt.Task``; None: 1.02 bodies. gaits: the repertoire, if neither planner nor model says it. streams:
+        generators by role instead of the seed's.
 
     belief, prey_model, situation, plan, time [s] and steps are there to look at; ``observed`` is the prey transition
     that the last step has learned, or None; ``skipped`` counts the steps whose transition was not learned.

@@ -464,6 +464,7 @@ def _cases():
             },
         ),
         "transitions": (bh.transitions, {"tracks": tracks, "time_step": 0.2, "standing": None, "seen": 8, "steps": 12}),
+        "Task": (bh.Task, {"catch_distance": 0.1, "time_limit": 60.0}),
         "trace": (bh.trace, {"x": inverse.posterior(0.1, 0.0)}),
         "Pursuit": (
             bh.Pursuit,
