@@ -67,6 +67,23 @@ def test_a_broken_answer_does_not_stop_the_notebook(number):
     assert "shape" in checks.check(number, lambda *_: np.zeros((2, 3))).said
 
 
+@pytest.mark.parametrize("number", [8, 0, "1", None, [1]])
+def test_an_exercise_that_there_is_not_is_named(number):
+    said = checks.check(number, lambda *_: 1.0)
+    assert not said.right
+    assert repr(said) == f"Exercise {number!r}: not yet. there is no such exercise; they are the numbers 1 to 7."
+
+
+@pytest.mark.parametrize("number", range(1, 6))
+def test_percent_is_told_from_a_share(number):
+    names = {"check": lambda _, answer: answer}
+    exec(answers("solutions")[number], names)
+    answer = eval(answers("solutions")[number].splitlines()[-1], names)
+    said = checks.check(number, lambda *given: 100 * answer(*given))
+    assert not said.right
+    assert "percent" in said.said
+
+
 @pytest.mark.parametrize("name", ["exercises", "solutions"])
 def test_the_notebooks_are_clean_and_teach(name):
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
