@@ -6,9 +6,11 @@ import itertools
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from planner_cases import BODY, STEP
 
+import bayeshunt as bh
 from bayeshunt.core.geometry import Polar
 from bayeshunt.planners.interception.lookahead import gait_paths
 from bayeshunt.planners.sequences.capture import CapturePaths, PreyPaths
@@ -91,3 +93,16 @@ def test_the_price_of_turning_is_a_step_per_softest_fast_turn(model):
     turn = abs(float(model.predict("right").heading))
     left = abs(float(model.predict("left").heading))
     assert paths.turn_price == pytest.approx(STEP / min(turn, left), rel=1e-6)
+
+
+@pytest.mark.parametrize("angle", [170.0, -170.0, 180.0, 120.0])
+def test_a_gait_that_ends_behind_drives_backwards(angle):
+    """Without part-way poses: on the short arc, and not the long way round."""
+    frame = pd.DataFrame({"gait": ["back"] * 3, "distance": 0.5, "angle": np.radians(angle), "heading": 0.0})
+    model = bh.ForwardModel.fit(frame, bh.GaitRepertoire.of(["back"], body_length=0.5, duration=1.0))
+    path = gait_paths(model)[0]
+    assert np.hypot(*path[-1, :2]) == pytest.approx(0.5)
+    assert np.degrees(np.arctan2(path[-1, 1], path[-1, 0])) % 360 == pytest.approx(angle % 360)
+    ways = np.hypot(*np.diff(path[:, :2], axis=0, prepend=0.0).T)
+    assert ways.sum() < 0.5 * np.pi / 2  # at most half a circle over the chord
+    assert path[0, 0] < 0

@@ -42,9 +42,13 @@ def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
     paths = []
     for gait in model.gaits:
         end = model.predict(gait)
-        # A chord at angle a from the heading belongs to an arc that turns by 2 a: chord(f) ~ sin(f a) / sin(a).
-        angle = float(end.angle) if abs(end.angle) > 1e-9 else 1e-9
-        chord = float(end.distance) * np.sin(share * angle) / np.sin(angle)
+        # A chord at angle a from the heading belongs to an arc that turns by 2 a: chord(f) ~ sin(f a) / sin(a). One that
+        # ends behind is the arc of a gait that drives backwards, not the long way round.
+        angle, distance = float(end.angle), float(end.distance)
+        if abs(angle) > np.pi / 2:
+            angle, distance = angle - np.copysign(np.pi, angle), -distance
+        angle = angle if abs(angle) > 1e-9 else 1e-9
+        chord = distance * np.sin(share * angle) / np.sin(angle)
         bearing = share * angle
         paths.append(np.stack([chord * np.cos(bearing), chord * np.sin(bearing), share * float(end.heading)], axis=1))
     return np.stack(paths)
