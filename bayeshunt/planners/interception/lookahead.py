@@ -42,8 +42,8 @@ def gait_paths(model: ForwardModel, points: int = 13) -> np.ndarray:
     paths = []
     for gait in model.gaits:
         end = model.predict(gait)
-        # A chord at angle a from the heading belongs to an arc that turns by 2 a: chord(f) ~ sin(f a) / sin(a). One that
-        # ends behind is the arc of a gait that drives backwards, not the long way round.
+        # A chord at angle a from the heading belongs to an arc that turns by 2 a: chord(f) ~ sin(f a) / sin(a).
+        # One that ends behind is of a gait that drives backwards, not of the long way round.
         angle, distance = float(end.angle), float(end.distance)
         if abs(angle) > np.pi / 2:
             angle, distance = angle - np.copysign(np.pi, angle), -distance
