@@ -15,7 +15,6 @@ run in turns, as they are and with sensors and values compiled. Results must be 
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import subprocess
@@ -41,6 +40,7 @@ from bayeshunt.planners.registry import make_planner
 from bayeshunt.planners.search import rollouts
 from bayeshunt.worlds.prey import behaviours
 from bayeshunt.worlds.prey import proximity as sensors
+from benchmarks.command import command, show
 from benchmarks.evaluation import ROWS
 from benchmarks.kernels import Kernels, compile_kernels
 from benchmarks.planning import make_situations
@@ -103,7 +103,7 @@ class Workload:
         return kernels.counting(self.codes, self.values, self.axes, len(self.model.gaits))[1]
 
 
-PLAIN_CHANCE = lookahead._chance
+PLAIN_CHANCE = lookahead.chance_within
 
 
 def planning_arguments(model: ForwardModel, rng: np.random.Generator) -> tuple[Any, Any]:
@@ -126,7 +126,7 @@ def capture_arguments(model: ForwardModel, rng: np.random.Generator) -> tuple[An
         seen.append(arguments)
         return PLAIN_CHANCE(*arguments)
 
-    with mock.patch.object(lookahead, "_chance", note):
+    with mock.patch.object(lookahead, "chance_within", note):
         make_planner("intercept", model).plan(make_situations(model, 1, rng=rng)[0], rng=rng)
     return max(seen, key=lambda arguments: arguments[0].size)
 
@@ -188,8 +188,8 @@ def compiled_hunts(kernels: Kernels) -> Iterator[None]:
     """Hunts use the compiled sensors and values."""
     space = rollouts.CompiledRollouts.space
 
-    def with_values(self: Any, block: int, path: Any, objective: Any) -> Any:
-        return space(self, block, path, kernels.values)
+    def with_values(self: Any, block: int, path: Any, objective: Any, spent: Any = None) -> Any:
+        return space(self, block, path, kernels.values, spent)
 
     with (
         mock.patch.object(behaviours, "proximity", kernels.sensors),
@@ -265,8 +265,7 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--runs", type=int, default=5, help="per bearing, of the hunts timed")
     parser.add_argument("--rounds", type=int, default=5)
@@ -276,7 +275,7 @@ def main() -> None:
         print(json.dumps(costs()))
         return
     facts = measure(options.runs, options.seed, options.rounds)
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

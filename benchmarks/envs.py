@@ -11,8 +11,6 @@ times that.
 
 from __future__ import annotations
 
-import argparse
-import json
 import subprocess
 import sys
 import time
@@ -29,6 +27,7 @@ from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.episodes.trial import Trial
 from bayeshunt.worlds.box2d.world import Box2DWorld
 from bayeshunt.worlds.scene import Scene
+from benchmarks.command import command, show
 
 ROUNDS, HUNTS, LANDER_STEPS = 9, 12, 2000
 IMPORTS = ("numpy", "gymnasium", "bayeshunt", "bayeshunt.envs", "bayeshunt.envs.gym")
@@ -186,12 +185,11 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     facts = measure(options.seed)
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,6 @@ open, and planning in walls), babbling and fitting included, with one worker and
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import time
 from typing import Any
@@ -15,6 +13,7 @@ from typing import Any
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.experiments.run.runner import evaluate
+from benchmarks.command import command, show
 
 #: Planner and arena of every row.
 ROWS = (
@@ -63,14 +62,13 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--runs", type=int, default=100, help="per bearing")
     parser.add_argument("--rounds", type=int, default=2)
     options = parser.parse_args()
     facts = measure(options.runs, options.seed, options.rounds)
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

@@ -14,12 +14,9 @@ One run on one machine, so that the ratios can be compared:
 
 from __future__ import annotations
 
-import argparse
 import json
-import logging
 import math
 import time
-import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -36,6 +33,7 @@ from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.structures import NAIVE
 from bayeshunt.worlds.babbling import babble
+from benchmarks.command import command, quiet_pgmpy
 
 ANSWERS, QUERIES, MANY, REPEATS = 20_000, 300, 200_000, 5
 FIT_ROWS, FIT_REPEATS = 1_000_000, 9
@@ -289,12 +287,10 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    warnings.simplefilter("ignore")  # pgmpy warns of its own deprecations when imported
-    logging.getLogger("pgmpy").setLevel(logging.ERROR)
+    quiet_pgmpy()
     robot = load_robot("khepera")
     frame = babble(robot, steps=2000, seed=options.seed)
     model = ForwardModel.fit(frame, robot.gaits)

@@ -12,13 +12,9 @@ The pages are opened in a headless Chromium (extra ``test``); what needs one is 
 
 from __future__ import annotations
 
-import argparse
-import json
-import logging
 import shutil
 import tempfile
 import time
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -29,6 +25,7 @@ import numpy as np
 import pandas as pd
 
 import bayeshunt as bh
+from benchmarks.command import command, quiet_pgmpy, show
 
 STRUCTURES = ("naive", "tan", "joint", "previous_gait", "learned")
 ROWS, ANSWERS, CLICKS, OPENINGS, BABBLINGS, PAIRS = 2000, 60, 25, 5, 20, 10
@@ -257,14 +254,12 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
 def main() -> None:
     """Run and print."""
     names = [*ALONE, *IN_A_BROWSER]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--only", nargs="+", choices=names, default=names)
     options = parser.parse_args()
-    warnings.simplefilter("ignore")  # pgmpy warns of its own deprecations when imported
-    logging.getLogger("pgmpy").setLevel(logging.ERROR)
+    quiet_pgmpy()
     facts = measure(options.only)
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

@@ -78,9 +78,9 @@ def compile_kernels(cache: bool = False) -> Kernels:
 
     rays, mean, chance, count = (numba.njit(cache=cache)(f) for f in (sense, _mean_distance, _chances, _count))
 
-    def proximity(x: float, y: float, theta: float, reach: float, walls: Any, disc: Any) -> Any:
-        if disc is not None:
-            raise ValueError("the preset's prey does not sense the hunter")
+    def proximity(x: float, y: float, theta: float, reach: float, walls: Any, disc: Any, solids: Any = ()) -> Any:
+        if disc is not None or solids:
+            raise ValueError("the preset's prey senses neither the hunter nor obstacles")
         far = sensors.MOUNT_RADIUS + reach  # nothing in reach: Python is as fast as the call would be
         if walls is None or (abs(x) + far < walls[0] and abs(y) + far < walls[1]):
             return None
@@ -90,7 +90,7 @@ def compile_kernels(cache: bool = False) -> Kernels:
         return mean(hunter.forward, hunter.right, hunter.steps, path.forward, path.right)
 
     def chances(hunter: Any, forward: Any, right: Any, reach: float, spread: float) -> Any:
-        x, y = np.broadcast_to(hunter, (*hunter.shape[:-1], 1)).reshape(2, -1, hunter.shape[-2])
+        x, y = hunter[:2].reshape(2, -1, hunter.shape[-2])  # one outcome; the heading does not count
         found = chance(x, y, forward, right, reach, spread)
         return found.reshape(*hunter.shape[1:-1], forward.shape[1])
 

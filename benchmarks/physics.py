@@ -10,8 +10,6 @@ that every hunt has all its steps. In the same run, alternating with them, so th
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from typing import Any, NamedTuple
 
@@ -23,6 +21,7 @@ from bayeshunt.core.messages import Reach
 from bayeshunt.core.streams import spawn_streams
 from bayeshunt.worlds.box2d.world import Box2DWorld, build_walls, new_world
 from bayeshunt.worlds.scene import Scene
+from benchmarks.command import command, show
 
 ROUNDS, HUNTS, LANDER_STEPS = 7, 6, 3000
 
@@ -167,12 +166,11 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     facts = measure(options.seed)
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

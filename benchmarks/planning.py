@@ -13,9 +13,7 @@
 
 from __future__ import annotations
 
-import argparse
 import itertools
-import json
 import math
 import time
 from collections.abc import Callable
@@ -31,6 +29,7 @@ from bayeshunt.planners.api import Plan, Planner, Situation
 from bayeshunt.planners.registry import make_planner, planner_names
 from bayeshunt.planners.search.search import ORDERS
 from bayeshunt.worlds.babbling import babble
+from benchmarks.command import command, show
 
 DEPTHS = (2, 4, 6, 8, 10)
 BUDGETS = (None, 60)  # expansions
@@ -153,8 +152,7 @@ def report(facts: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run both comparisons and print them."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print the figures as JSON")
+    parser = command(__doc__)
     parser.add_argument("--seed", type=int, default=0, help="of babbling, situations and decisions")
     parser.add_argument("--situations", type=int, default=50, help="situations of the order comparison")
     parser.add_argument("--decisions", type=int, default=2000, help="decisions timed per planner")
@@ -168,7 +166,7 @@ def main() -> None:
         "step_s": model.gaits.duration,
         "seed": options.seed,
     }
-    print(json.dumps(facts) if options.json else report(facts))
+    show(facts, report, options)
 
 
 if __name__ == "__main__":

@@ -53,11 +53,11 @@ class Hunts(VecEnv):
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Nothing of one hunt can be set."""
-        raise NotImplementedError
+        raise AttributeError(f"{attr_name}: hunts that are compiled together have no attributes of their own")
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
         """Nothing of one hunt can be called."""
-        raise NotImplementedError
+        raise AttributeError(f"{method_name}: hunts that are compiled together have no methods of their own")
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
         """No hunt is wrapped."""

@@ -1,5 +1,6 @@
 """Energy as a fourth node, for who asks: fitted, asked, observed, opened, kept, exported; and nobody else notices."""
 
+import copy
 import json
 import pickle
 
@@ -120,7 +121,8 @@ def test_files_and_copies_bring_it_back(model, frame, tmp_path):
     model.save(tmp_path / "m.json")
     again = bh.ForwardModel.load(tmp_path / "m.json")
     assert again == model
-    assert pickle.loads(pickle.dumps(model)) == model
+    assert pickle.dumps(model)
+    assert copy.deepcopy(model) == model
     assert np.array_equal(again.local_tables["Energy"], model.local_tables["Energy"])
     assert again.with_data(frame.copy()).uses(7)["variable"].tolist()[-1] == "Energy"
     names = {path.name for path in model.to_csv(tmp_path)}

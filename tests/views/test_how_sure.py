@@ -1,9 +1,9 @@
 """How sure an answer is, beside every probability: card, text, terminal and JSON."""
 
+import copy
 import dataclasses
 import json
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -59,12 +59,12 @@ def test_a_decision_shows_it(model, planner):
     plans = [episode.plans[1], asked.plan(again, rng=np.random.default_rng(0))]
     wide, narrow = plans[0].answer.interval(), plans[1].answer.interval(0.5)
     assert wide["low"][plans[0].gait] < narrow["low"][plans[0].gait]
-    for plan, ends in ((plans[0], wide), (plans[1], narrow), (pickle.loads(pickle.dumps(plans[1])), narrow)):
+    for plan, ends in ((plans[0], wide), (plans[1], narrow), (copy.deepcopy(plans[1]), narrow)):
         said = f"{plan.value:.4f} ({bounds(*ends.loc[plan.gait, ['low', 'high']])})"
         for shown in (str(plan), plan._repr_html_()):
             assert said in shown
         assert plan._repr_html_().count('class="bh-whisker"') == len(model.gaits)
-    assert 'class="bh-whisker"' not in pickle.loads(pickle.dumps(plans[0]))._repr_html_()
+    assert 'class="bh-whisker"' not in copy.deepcopy(plans[0])._repr_html_()
 
 
 def test_without_intervals_there_are_no_whiskers():
