@@ -24,7 +24,7 @@ from bayeshunt.planners.interception.reacting import Reacting, look_ahead_of_rea
 from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Number, planner_settings, setting
 
-__all__ = ["EvaderSettings", "InterceptEvaderPlanner", "intercept_evader"]
+__all__ = ["EvaderSettings", "InterceptEvaderPlanner"]
 
 #: A hypothesis less probable than this is left out of a decision.
 _NEGLIGIBLE = 0.01
@@ -177,7 +177,3 @@ def _trace(
     chosen = (first == best) & (second == int(pair_values[best].argmin()))
     rows["chosen"] = np.concatenate([[True], np.arange(len(values)) == best, chosen])
     return rows.assign(reacts=reacts)
-
-
-#: The planner by the name that it is registered under.
-intercept_evader = InterceptEvaderPlanner
