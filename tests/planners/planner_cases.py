@@ -37,12 +37,12 @@ def arcs(left: np.ndarray, right: np.ndarray) -> Polar:
     return Polar.from_cartesian(chord * np.cos(half), chord * np.sin(half), turn)
 
 
-def babble(names: list[str], rows: int, seed: int) -> pd.DataFrame:
-    """A babbling table: 10 % slip on each wheel."""
+def babble(names: list[str], rows: int, seed: int, slip: float = 0.1) -> pd.DataFrame:
+    """A babbling table: so much slip on each wheel."""
     rng = np.random.default_rng(seed)
     gait = rng.integers(len(names), size=rows)
-    slip = rng.uniform(0.9, 1.1, size=(rows, 2))
-    wheels = np.array([WHEELS[name] for name in names])[gait] * slip
+    slips = rng.uniform(1.0 - slip, 1.0 + slip, size=(rows, 2))
+    wheels = np.array([WHEELS[name] for name in names])[gait] * slips
     seen = arcs(wheels[:, 0], wheels[:, 1])
     return pd.DataFrame(
         {
@@ -54,9 +54,9 @@ def babble(names: list[str], rows: int, seed: int) -> pd.DataFrame:
     )
 
 
-def fit(names: list[str], rows: int = 1500) -> ForwardModel:
+def fit(names: list[str], rows: int = 1500, slip: float = 0.1) -> ForwardModel:
     repertoire = GaitRepertoire(tuple(Gait(n, WHEELS[n]) for n in names), BODY, STEP)
-    return ForwardModel.fit(babble(names, rows, seed=5), repertoire)
+    return ForwardModel.fit(babble(names, rows, seed=5, slip=slip), repertoire)
 
 
 def seen_prey(transitions: int = 6, seed: int = 3) -> PreyModel:

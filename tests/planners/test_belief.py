@@ -79,7 +79,7 @@ def test_capture_probability_against_simulation(model, prey, gaits):
 
 def test_futures_are_resampled_in_proportion(planner):
     case = situation(0.3, 0.2, 1.0)
-    whole, drawn = planner.futures(case), planner.sampled(case, 0)
+    whole, drawn = planner.futures(case), planner.samples[0].futures(planner.futures(case))
     assert len(drawn.weights) == 64
     assert drawn.weights.sum() == pytest.approx(1.0)
     never = np.isinf(drawn.starts[:, 1]).mean()
@@ -90,7 +90,7 @@ def test_futures_are_resampled_in_proportion(planner):
 
 def test_without_prey_noise_the_paths_are_those_of_the_turn_table(model):
     calm, case = belief(model, prey_noise=0.0, hazard=0.1), situation(0.3, 0.2, 1.0)
-    whole, drawn = calm.futures(case), calm.sampled(case, 1)
+    whole, drawn = calm.futures(case), calm.samples[1].futures(calm.futures(case))
     known = {
         tuple(np.round(np.concatenate(path), 9)) for path in zip(*whole.at(np.array([1.0, 4.0, 9.0])), strict=True)
     }
@@ -103,15 +103,15 @@ def test_without_prey_noise_the_paths_are_those_of_the_turn_table(model):
 
 def test_curves_rise_and_the_expected_time_is_their_integral(planner):
     case = situation(0.12, 0.0, 3.1)
-    futures = planner.sampled(case, 0)
-    outlook = look_ahead(planner.blocks[0], futures, planner.homing, 0.0)
+    futures = planner.samples[0].futures(planner.futures(case))
+    outlook = look_ahead(planner.samples[0].pairs, futures, planner.homing, 0.0)
     assert set(np.unique(outlook.second)) == {0.0, 1.0}
     assert (np.diff(outlook.second, axis=2) >= 0).all()
     sure = outlook.second[:, :, -1].all(axis=-1)
     assert sure.any()
     g, h = np.argwhere(sure)[0]
     curve = np.concatenate([outlook.first[g], outlook.second[g, h]])  # [2 P, S]
-    integral = (1.0 - curve).sum(axis=0) * planner.blocks[0].times[0]
+    integral = (1.0 - curve).sum(axis=0) * planner.samples[0].pairs.times[0]
     assert outlook.time[g, h].tolist() == pytest.approx(integral.tolist())
 
 

@@ -76,7 +76,7 @@ class DetourPlanner(InterceptWallsPlanner):
         """Return the interception where the way is free, else the first gaits of the way round."""
         situation = check_request(situation, rng, self.hunter)
         pairs, futures = self.pairs_from(situation), self.futures(situation)
-        straight = self.choose(situation, pairs, futures)
+        straight = self.choose(situation, *self.ahead(situation, futures, rng))
         if self.ways is None or self._is_clear(situation, straight, pairs, futures):
             return straight
         return self._round(situation, pairs, futures)

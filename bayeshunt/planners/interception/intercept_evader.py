@@ -16,9 +16,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.reactions import Reactions
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
-from bayeshunt.planners.interception.lookahead import Charge, PairPaths, decide, look_ahead
+from bayeshunt.planners.interception.lookahead import Outlook, decide, look_ahead
 from bayeshunt.planners.interception.pairs import trace
 from bayeshunt.planners.interception.reacting import Reacting, look_ahead_of_reactions
 from bayeshunt.planners.requests import check_request
@@ -92,9 +91,12 @@ class InterceptEvaderPlanner(InterceptPlanner):
         homing = replace(self.homing, reach=self.reach(situation))
         futures = self.futures(situation)
         charge = self.charge(situation, pairs)
-        weigh = partial(_weighed, pairs, futures, situation.prey, table, homing, self.spread, reacts, charge)
+        ahead = self.ahead(situation, futures, rng)
+        own = partial(look_ahead, ahead[0], ahead[1], homing, ahead[2], charge)
+        other = partial(look_ahead_of_reactions, pairs, situation.prey, table, homing, self.spread, charge)
+        weigh = partial(_weighed, own, ahead[1], other, reacts)
         values, pair_values, against = weigh()
-        trace_own = partial(trace, self.gaits, pairs, futures, homing, self.spread, charge)
+        trace_own = partial(trace, self.gaits, ahead[0], ahead[1], homing, ahead[2], charge)
         first = int(values.argmin())
         prey = self.predicted(futures)
         if against is not None and reacts > 0.5:
@@ -134,25 +136,17 @@ class InterceptEvaderPlanner(InterceptPlanner):
 
 
 def _weighed(
-    pairs: PairPaths,
-    futures: Futures,
-    prey: Polar,
-    table: Reactions,
-    homing: Homing,
-    spread: float,
-    reacts: float,
-    charge: Charge | None,
+    own: Callable[[], Outlook], futures: Futures, other: Callable[[], Reacting], reacts: float
 ) -> tuple[FloatArray, FloatArray, Reacting | None]:
     """Return the expected time of every first gait [G] and pair [G, G], and what the prey's reactions bring."""
     values, pair_values, against = np.zeros(1), np.zeros(1), None
     if reacts < 1.0 - _NEGLIGIBLE:
-        values, pair_values = decide(look_ahead(pairs, futures, homing, spread, charge), futures)
+        values, pair_values = decide(own(), futures)
     if reacts > _NEGLIGIBLE:
-        against = look_ahead_of_reactions(pairs, prey, table, homing, spread, charge)
+        against = other()
         share = reacts if values.size > 1 else 1.0
         values, pair_values = (
-            (1.0 - share) * own + share * other
-            for own, other in zip((values, pair_values), against.decide(), strict=True)
+            (1.0 - share) * one + share * two for one, two in zip((values, pair_values), against.decide(), strict=True)
         )
     return values, pair_values, against
 

@@ -68,8 +68,8 @@ class PairPlanner(Shown):
         weighed = "" if self.charges is None else f", weighed by {self.charges.cost}"
         return f"expected time to the capture{weighed} [s]"
 
-    def choose(self, situation: Situation, pairs: PairPaths, futures: Futures) -> Plan:
-        """Return the best plan against ``futures``.
+    def choose(self, situation: Situation, pairs: PairPaths, futures: Futures, spread: float) -> Plan:
+        """Return the best plan against ``futures``; spread: metres, see :func:`look_ahead`.
 
         ``prey_known`` is False until a transition has been seen; ``trace`` has one row per sequence of
         at most two gaits, see :func:`trace`; ``predicted_prey`` is the most probable future.
@@ -78,11 +78,11 @@ class PairPlanner(Shown):
         if (reach := self.reach(situation)) != homing.reach:
             homing = replace(homing, reach=reach)
         charge = self.charge(situation, pairs)
-        outlook = look_ahead(pairs, futures, homing, self.spread, charge)
+        outlook = look_ahead(pairs, futures, homing, spread, charge)
         values, pair_values = decide(outlook, futures)
         return self.best(
             values, pair_values, self.objective,
-            partial(trace, self.gaits, pairs, futures, homing, self.spread, charge), self.predicted(futures),
+            partial(trace, self.gaits, pairs, futures, homing, spread, charge), self.predicted(futures),
             prey_known=bool(situation.transitions),
         )  # fmt: skip
 

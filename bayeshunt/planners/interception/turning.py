@@ -19,7 +19,9 @@ from bayeshunt.planners.cost import Weighed
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures, turning_futures
 from bayeshunt.planners.interception.homing import CHASE_SHARE, Homing
+from bayeshunt.planners.interception.lookahead import PairPaths
 from bayeshunt.planners.interception.pairs import PairPlanner
+from bayeshunt.planners.interception.sampling import Samples
 from bayeshunt.planners.requests import catch_distance, check_request
 from bayeshunt.planners.settings import Count, Number, Switch, planner_settings, setting
 
@@ -107,6 +109,16 @@ class TurningPlanner(PairPlanner):
         )
         #: The same belief per time-step, as trackers count; a turn is as far, however short the steps.
         self.step_prior = self.prior if steps == 1 else _per_step(self.prior, steps)
+        #: Sets of samples of both robots' motion, of which each decision picks one; none: decided along mean paths.
+        self.samples = self.sample(model)
+
+    def sample(self, model: ForwardModel) -> tuple[Samples, ...]:
+        """Return sets of samples where the hunter's own wandering would hide a turn, elsewhere none.
+
+        None either of a model in which a gait depends on the one before.
+        """
+        hides = self.prior.threshold > self.settings.turn_threshold
+        return Samples.draw(model, self.settings.turn_threshold) if hides and not self.pairs_after else ()
 
     def legs(self, situation: Situation) -> tuple[Polar, ...]:
         """Return the transitions seen so far, over a leg each."""
@@ -141,10 +153,22 @@ class TurningPlanner(PairPlanner):
         """Return the distance between the centres that is a capture [m]."""
         return catch_distance(situation, self.settings.catch_distance)
 
+    def ahead(
+        self, situation: Situation, futures: Futures, rng: np.random.Generator
+    ) -> tuple[PairPaths, Futures, float]:
+        """Return the hunter's paths, the prey's ``futures``, and the spread [m] between them that a decision is over.
+
+        Along mean paths, or with one of the sets of samples, which has its spread in it; ``rng`` picks it.
+        """
+        if not self.samples:
+            return self.pairs_from(situation), futures, self.spread
+        samples = self.samples[int(rng.integers(len(self.samples)))]
+        return samples.pairs, samples.futures(futures), 0.0
+
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the earliest expected capture."""
         situation = check_request(situation, rng, self.hunter)
-        return self.choose(situation, self.pairs_from(situation), self.futures(situation))
+        return self.choose(situation, *self.ahead(situation, self.futures(situation), rng))
 
 
 def _per_step(leg: TurnModel, steps: int) -> TurnModel:

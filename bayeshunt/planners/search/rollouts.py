@@ -179,11 +179,12 @@ class Outcomes:
 
     @classmethod
     def draw(cls, model: ForwardModel, depth: int, samples: int, blocks: int, seed: int) -> Outcomes:
-        """Draw from the forward model's tables with uniforms of a private generator seeded by ``seed``.
+        """Draw from the forward model's tables with uniforms of a private generator seeded by ``seed``."""
+        return cls.of(model, np.random.default_rng(seed).random((blocks, depth, samples, 6)))
 
-        The same uniforms serve every gait before.
-        """
-        uniforms = np.random.default_rng(seed).random((blocks, depth, samples, 6))
+    @classmethod
+    def of(cls, model: ForwardModel, uniforms: np.ndarray) -> Outcomes:
+        """Return the outcomes that uniforms [B, T, S, 6] in [0, 1) draw; the same uniforms serve every gait before."""
         drawn = model.outcomes(uniforms)  # Polar of [G, B, T, S]
         forward, right, heading = (
             np.ascontiguousarray(np.moveaxis(a, 0, -1)) for a in (drawn.forward, drawn.right, drawn.heading)
@@ -191,8 +192,7 @@ class Outcomes:
         if not all(np.isfinite(a).all() for a in (forward, right, heading)):
             raise BayesHuntError("the forward model sampled a pose that is not finite")
         parts = [model.after(gait) for gait in model.gaits] if depends_on_previous(model.structure) else []
-        after = tuple(cls.draw(part, depth, samples, blocks, seed) for part in parts)
-        return cls(forward, right, heading, after)
+        return cls(forward, right, heading, tuple(cls.of(part, uniforms) for part in parts))
 
     def moves(self, step: int, before: np.ndarray, gaits: np.ndarray) -> list[np.ndarray]:
         """Return forward, right, heading [B, S, n] of ``gaits`` [n] executed after ``before`` [n] at a step.
