@@ -8,8 +8,12 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import Pose
+from bayeshunt.models.arena.free_space import FreeSpace
+from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
-from bayeshunt.planners.interception.lookahead import PairPaths
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.lookahead import PairPaths, look_ahead
+from bayeshunt.planners.uncertainty.obstructed import Obstructed
 from bayeshunt.planners.uncertainty.sampled import Start, sampled_futures
 from bayeshunt.planners.uncertainty.sight import sight
 
@@ -20,7 +24,7 @@ NARROW = {"sensing.preset": "camera_narrow"}
 def start(*poses, speed=0.05, turn_at=math.inf, turn=0.0):
     x, y, theta = (np.array(part, dtype=float) for part in zip(*poses, strict=True))
     count = len(x)
-    return Start(Pose(x, y, theta), np.full(count, speed), np.full(count, turn_at), np.full(count, turn))
+    return Start(Pose(x, y, theta), *(np.broadcast_to(part, (count,)) for part in (speed, turn_at, turn)))
 
 
 def test_in_a_room_sampled_futures_bounce_as_known_ones_do():
@@ -45,14 +49,16 @@ def test_a_gait_sees_what_its_way_leads_the_camera_past(khepera_model):
     pairs = PairPaths.mean(khepera_model)
     futures = sampled_futures(start((0.3, 0.0, 0.0), (-0.3, 0.0, 0.0), speed=0.0), Pose(0.0, 0.0, 0.0), None)
     camera = CameraSettings(fov_deg=60, pixels=160, detection=0.9)
-    seen = sight(pairs, camera, 2.0, futures)
+    seen = sight(pairs, camera, 0.06, futures, 0.006)
     names = khepera_model.gaits.names
     ahead, behind = seen.first[names.index("straight")]
     assert ahead == pytest.approx(1 - 0.1**4)
     assert behind == 0.0
     assert seen.first[names.index("spin left")][1] > 0.5  # it turns round
-    assert (sight(pairs, None, math.inf, futures).second == 1.0).all()
-    assert (sight(pairs, camera, 0.1, futures).first == 0.0).all()  # beyond its reach
+    assert (sight(pairs, None, 0.06, futures, 0.006).second == 1.0).all()
+    assert (
+        sight(pairs, camera.model_copy(update={"range": 0.1}), 0.06, futures, 0.006).first == 0.0
+    ).all()  # beyond its reach
 
 
 def settings(**changes):
@@ -98,3 +104,62 @@ def test_a_future_far_from_the_middle_costs_more_where_it_is_not_seen(khepera_mo
     forward, right = (part[:, 0] for part in weighing.futures.at(weighing.pairs.times[-1:]))
     far = np.hypot(forward - forward.mean(), right - right.mean())
     assert weighing.lost() == pytest.approx(np.minimum(2.0 * far / planner.homing.top_speed, 5.0))
+
+
+def test_futures_that_look_alike_are_not_told_apart_by_looks(khepera_model):
+    pairs = PairPaths.mean(khepera_model)
+    # Alike until both turn after the first step; and one that goes elsewhere at once.
+    poses = [(0.3, 0.0, 0.0), (0.3, 0.0, 0.0), (0.3, 0.05, 0.5 * math.pi)]
+    begin = start(*poses, turn_at=np.array([1.5, 1.5, np.inf]) * pairs.times[-1], turn=np.array([1.0, -1.0, 0.0]))
+    futures = sampled_futures(begin, Pose(0.0, 0.0, 0.0), None)
+    straight = khepera_model.gaits.names.index("straight")
+    for camera in (CameraSettings(), None):
+        told = sight(pairs, camera, 0.057, futures, 0.006).told[straight]
+        assert told.sum(axis=1) == pytest.approx(1.0)
+        assert told[0, :2] == pytest.approx([0.5, 0.5], abs=1e-3)
+        assert told[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-3)
+
+
+def test_one_look_at_a_prey_near_its_start_does_not_tell_its_heading(khepera_model):
+    pairs = PairPaths.mean(khepera_model)
+    futures = sampled_futures(start((0.6, 0.0, 1.0), (0.6, 0.0, -1.0), speed=0.01), Pose(0.0, 0.0, 0.0), None)
+    straight = khepera_model.gaits.names.index("straight")
+    often = sight(pairs, CameraSettings(frames=4), 0.057, futures, 0.006).told[straight]
+    blurred = sight(pairs, CameraSettings(frames=4, pixel_noise=10.0), 0.057, futures, 0.006).told[straight]
+    assert often[0, 0] > blurred[0, 0] > 0.5
+    assert blurred[0, 0] < 0.7
+
+
+def walled_off():
+    """A room in which a wall of touched cells stands across the way, 0.15 m ahead, 0.3 m wide."""
+    cell = 0.03
+    x, y = np.meshgrid(np.arange(-0.5, 0.51, cell), np.arange(-0.5, 0.51, cell))
+    touched = np.column_stack([np.full(11, 0.15), np.arange(-5, 6) * cell])
+    free = np.column_stack([x.ravel(), y.ravel()])
+    free = free[np.hypot(free[:, 0] - 0.15, np.maximum(np.abs(free[:, 1]) - 0.15, 0.0)) > cell]
+    space = FreeSpace.of(cell, free, np.repeat(touched, 5, axis=0))
+    return TouchedObstacles.of(space, np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]), np.full(4, 0.6))
+
+
+def test_a_gait_into_an_obstacle_is_stopped_and_the_way_goes_round_it(khepera_model):
+    pairs = PairPaths.mean(khepera_model)
+    homing, here = Homing(0.057, 0.06, 0.5), Pose(0.0, 0.0, 0.0)
+    futures = sampled_futures(start((0.3, 0.0, 0.0), (-0.3, 0.0, 0.0), speed=0.0), here, None)
+    found = look_ahead(pairs, futures, homing, 0.006)
+    among = Obstructed.by(walled_off(), 5.0).outlook(found, pairs, futures, here, homing)
+    straight = khepera_model.gaits.names.index("straight")
+    assert found.second[straight, straight, -1, 0] == 1.0  # were nothing in the way
+    assert among.second[straight, straight, -1, 0] == 0.0
+    assert among.time[straight, straight, 0] > found.time[straight, straight, 0] + 5.0
+    first, second = np.unravel_index(among.time[..., 0].argmin(), among.time.shape[:2])
+    x, y = (part[first, second, :, 0] for part in pairs.second[:2])
+    assert not walled_off().inside(x, -y).any()  # right is clockwise
+    # The one behind is out of its way.
+    assert among.time[..., 1].min() == pytest.approx(found.time[..., 1].min())
+
+
+@pytest.mark.slow
+def test_it_goes_round_a_barrier():
+    detour = bh.load_experiment("detour", {"protocol.runs": 1, "model.babbling_steps": 1000})
+    frame = bh.evaluate(detour, planners="search", arenas="barrier", seed=1001, jobs=1)
+    assert frame["caught"].all()

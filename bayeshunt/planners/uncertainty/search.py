@@ -11,18 +11,18 @@ import numpy as np
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import FloatArray, Pose
 from bayeshunt.core.protocols import Belief, MovingBelief
-from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
-from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures
-from bayeshunt.planners.interception.intercept_walls import RoomSettings
-from bayeshunt.planners.interception.turning import TurningPlanner
+from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, RoomSettings
+from bayeshunt.planners.interception.lookahead import Charge, Outlook, PairPaths
 from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
+from bayeshunt.planners.uncertainty.obstructed import Obstructed
 from bayeshunt.planners.uncertainty.opened import trace
 from bayeshunt.planners.uncertainty.sampled import Start, sampled_futures
 from bayeshunt.planners.uncertainty.sight import sight
@@ -43,51 +43,53 @@ class SearchSettings(RoomSettings):
         ge=0,
     )
     most_price: Number = setting(12.0, "and at most so many seconds", ge=0)
+    stuck: Number = setting(1.6, "what running into a known obstacle costs, in legs", ge=0)
 
 
-class SearchPlanner(TurningPlanner):
+class SearchPlanner(InterceptWallsPlanner):
     """Interception under uncertainty: plans on futures sampled from the belief, and pays for those it would not see.
 
-    Every pair of gaits is valued in every sampled future, as the interception hunter does. A gait's way says which
-    futures the camera would see in the first step. Those get the second gait that is best for each of them; the others
-    cannot be told apart, share one, and if they are not seen in the second step either, each pays a price.
+    Every pair of gaits is valued in every sampled future, as the interception hunter does. A gait's way says in which
+    futures the camera finds the prey in the first step, and what its looks then tell: futures that are nearer to each
+    other, where it looks, than the camera's noise and the spread of both robots cannot be told apart. So the second
+    gait is the best for what was seen, not for what is so. Futures in which nothing is seen share one second gait, and
+    if they are not seen in the second step either, each pays a price.
 
-    ``value(g) = sum_k P(k) s(g, k) min over g' of T(g, g', k)
+    ``value(g) = sum_k P(k) s(g, k) min over g' of sum_j P(j | seen as k) T(g, g', j)
     + min over g' of sum_k P(k) (1 - s(g, k)) (T(g, g', k) + lost(k) (1 - s(g, g', k)))``
 
     T: expected time of capture [s]; s: probability of seeing the prey in the step; lost(k): ``price`` times the
     distance of future k from the middle of all, over the hunter's top speed. So nothing is paid where the prey is as
-    good as known, and looking is worth most where the belief is spread out: without a camera, or with one that sees all
-    round, this is interception averaged over the belief.
+    good as known, and looking is worth most where the belief is spread out.
 
-    With exact sensing the belief is one pose. Walls are those of its room, if it has one; the prey's motion is what the
-    belief has learned of it. ``rng`` draws the samples. ``plan.trace`` has P(captured by t), P(in view) and the
-    expected information of every node.
+    Where the hunter has touched something inside its room, gaits that lead into it are stopped, and beyond the second
+    one the way goes round it (:class:`~bayeshunt.planners.uncertainty.obstructed.Obstructed`). Walls are those of its
+    room, if it has one; the prey's motion is what the belief has learned of it. Told the pose, it takes the futures of
+    ``intercept_walls``. ``rng`` draws the samples. ``plan.trace`` has P(captured by t), P(in view) and the expected
+    information of every node.
     """
 
     name = "search"
     info = PlannerInfo(prepare=ROOM)
-    Settings = SearchSettings
+    Settings = SearchSettings  # type: ignore[assignment]  # what its base takes, and more
     settings: SearchSettings
 
     def __init__(self, model: ForwardModel, settings: SearchSettings | None = None, **given: Any) -> None:
-        super().__init__(model, settings, **given)
-        chosen = self.settings
-        self.room = RoomModel.of(chosen.room)
-        self.body = model.gaits.need("body_length")
-        #: Where the prey turns away.
-        self.walls = Walls.of(self.room).kept(chosen.clearance * self.body, chosen.rebound)
+        chosen = SearchSettings(**given) if settings is None else settings
+        super().__init__(model, replace(chosen, room=RoomModel.of(chosen.room)))
+        obstacles = self.prey_obstacles()
+        self.obstructed = None if obstacles is None else Obstructed.by(obstacles, self.settings.stuck * self.leg)
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the least expected time of capture, sight priced."""
         situation = check_request(situation, rng, self.hunter)
         pairs, futures = self.pairs_from(situation), self.sampled(situation, rng)
         camera = situation.camera if isinstance(situation.camera, CameraSettings) else None
-        reach = float("inf") if camera is None else camera.reach(camera.target_width or self.body)
+        width = self.body if camera is None else camera.target_width or self.body
+        homing = replace(self.homing, reach=self.reach(situation))
         weighing = Weighing(
-            pairs, futures, replace(self.homing, reach=self.reach(situation)), self.spread,
-            sight(pairs, camera, reach, futures), Price(self.settings.price, self.settings.most_price),
-            self.charge(situation, pairs),
+            pairs, futures, homing, self.spread, sight(pairs, camera, width, futures, self.spread),
+            Price(self.settings.price, self.settings.most_price), self._round(situation, pairs, futures, homing),
         )  # fmt: skip
         outlook = weighing.outlook()
         values, pair_values = weighing.values(outlook)
@@ -97,23 +99,25 @@ class SearchPlanner(TurningPlanner):
             prey_known=_seen_moving(situation),
         )  # fmt: skip
 
-    def own_walls(self) -> Walls:
-        """Return the walls of the room."""
-        return Walls.of(self.room)
+    def _round(self, situation: Situation, pairs: PairPaths, futures: Futures, homing: Homing) -> Charge | None:
+        """Return what is charged beside the time: what stands in the way, and what else is weighed."""
+        charge, obstructed, pose = self.charge(situation, pairs), self.obstructed, situation.pose
+        if obstructed is None or pose is None:
+            return charge
 
-    def prey_walls(self) -> Walls:
-        """Return the walls where the prey turns away."""
-        return self.walls
+        def charged(outlook: Outlook) -> Outlook:
+            found = obstructed.outlook(outlook, pairs, futures, pose, homing)
+            return found if charge is None else charge(found)
 
-    def prey_obstacles(self) -> TouchedObstacles | None:
-        """Return what the hunter has touched inside the room."""
-        return self.room.obstacles()
+        return charged
 
     def sampled(self, situation: Situation, rng: np.random.Generator) -> Futures:
-        """Return equally weighted futures, drawn from the belief; without one, of the pose that is told."""
-        count = self.settings.samples
+        """Return equally weighted futures drawn from the belief; of a pose that is told, those of the interception."""
+        belief = situation.belief
+        if situation.camera is None and not isinstance(belief, MovingBelief):
+            return self.turning(situation) if situation.pose is None else self.futures(situation)
         own = Pose(0.0, 0.0, 0.0) if situation.pose is None else situation.pose
-        belief, known = situation.belief, self.prey(situation)
+        count, known = self.settings.samples, self.prey(situation)
         if isinstance(belief, MovingBelief):
             pose, speed = belief.sample_motion(count, rng=rng)
         else:
@@ -122,7 +126,7 @@ class SearchPlanner(TurningPlanner):
             pose = Pose(*(np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in parts))
             speed = np.full(count, known.speed / self.leg)
         turn_at, turn = self._turns(belief, known, rng)
-        return sampled_futures(Start(pose, speed, turn_at, turn), own, self.walls)
+        return sampled_futures(Start(pose, speed, turn_at, turn), own, self.prey_walls())
 
     def _turns(self, belief: object, known: TurnModel, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return when each of K prey turns by chance [s from now], and by how much [rad, clockwise].

@@ -49,7 +49,8 @@ class Weighing:
         weights, seen = self.futures.weights, self.sight.first
         escaped = 1.0 - outlook.second[:, :, -1]  # what is captured is not lost
         blind = outlook.time + self.lost() * (1.0 - self.sight.second) * escaped
-        known = (seen * outlook.time.min(axis=1)) @ weights
+        after = outlook.time @ np.swapaxes(self.sight.told, 1, 2)  # of a second gait, when it looks as in future k
+        known = (seen * after.min(axis=1)) @ weights
         unseen = ((1.0 - seen) * weights)[:, None]
         shared = (blind * unseen).sum(axis=-1)
         every = (blind * ((1.0 - seen)[:, None] + 1e-9) * weights + outlook.time * seen[:, None] * weights).sum(axis=-1)
