@@ -1,17 +1,20 @@
 """What a camera costs and the planner search gets back: ``python -m benchmarks.sensing [--runs 34] [--seeds 0 1 2]``.
 
-A row a camera: success with counts and a 95 % interval, mean time (a miss counts as the time limit); the same hunts for
-every planner. Then, of other hunts, how calibrated the belief is, how near the expected counts of the prey come to what
-it did, and what a decision costs beside one of intercept.
+A row a camera: success with counts and a 95 % interval, mean time (a miss counts as the time limit). Obstacles, a lure
+behind them, and a hexapod that sees are rows as well. Then, of other hunts, how calibrated the belief is, how near the
+expected counts of the prey come to what it did, and what a decision costs beside one of intercept. Every figure is
+added to ``--out`` as soon as it is there, and what is there is not measured again: the same command goes on where it
+was stopped. Delete the file, or name another, when the code has changed.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,11 +25,14 @@ from bayeshunt.episodes.knowledge import known_to
 from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.perception.trackers.particle_belief import ParticleBelief
+from benchmarks.sensing_results import Key, Results, pooled
 
 __all__ = ["MEASURES", "ROWS", "Row", "calibration", "decision_ratio", "expected_counts", "hunts", "row_settings"]
 
+_RESULTS = Path(__file__).parent / "results" / "sensing.csv"
+#: Hunts a bearing of which more is asked than how they end.
+_MOST_RUNS = 30
 _HEADING = {"camera.heading_noise_deg": 20.0}
 _BAD = {
     "camera.detection": 0.7, "camera.clutter": 0.2, "camera.pixel_noise": 1.5, "camera.bearing_noise_deg": 3.0
@@ -34,11 +40,13 @@ _BAD = {
 
 
 class Row(NamedTuple):
-    """A row of the table: arena, camera and what differs from it."""
+    """A row of the table: arena, camera (none: as the preset says), what differs from it, preset, and who hunts."""
 
     arena: str
     camera: str
     changes: dict[str, Any] = {}  # never written to  # noqa: RUF012
+    preset: str = "paper"
+    planner: str = "search"
 
 
 #: Name -> where and with what is hunted.
@@ -54,30 +62,36 @@ ROWS = {
     "open, omni, heading seen (20 deg)": Row("open", "camera_omni", _HEADING),
     "open, K213": Row("open", "camera_k213"),
     "open, exact": Row("open", ""),
+    "barrier, lure": Row("barrier", "", preset="detour", planner="detour"),
+    "barrier, lure, search": Row("barrier", "", preset="detour"),
+    "U, lure": Row("u", "", preset="detour", planner="detour"),
+    "U, lure, search": Row("u", "", preset="detour"),
+    "clutter, intercept_walls": Row("clutter", "", preset="clutter", planner="intercept_walls"),
+    "clutter, detour": Row("clutter", "", preset="clutter", planner="detour"),
+    "clutter, search": Row("clutter", "", preset="clutter"),
+    "clutter, wide, detour": Row("clutter", "camera_wide", preset="clutter", planner="detour"),
+    "clutter, wide, search": Row("clutter", "camera_wide", preset="clutter"),
+    "legs, open, wide": Row("open", "camera_wide", preset="legs_camera"),
+    "legs, walled, wide": Row("walled", "camera_wide", preset="legs_camera"),
 }
 
 
 def row_settings(row: Row, runs: int = 34, **changes: Any) -> bh.ExperimentSettings:
-    """Return preset paper with a row's camera."""
+    """Return a row's preset with its camera."""
     sensing = {f"sensing.{key}": value for key, value in row.changes.items()}
     camera = {"sensing.preset": row.camera} if row.camera else {}
-    return bh.load_experiment("paper", {**camera, **sensing, "protocol.runs": runs, **changes})
+    return bh.load_experiment(row.preset, {**camera, **sensing, "protocol.runs": runs, **changes})
 
 
-def hunts(name: str, planner: str, seeds: list[int], runs: int, tracker: str = "") -> dict[str, Any]:
-    """Return a row's success, counts, interval and mean time [s] over evaluation seeds."""
+def hunts(name: str, planner: str, seed: int, runs: int, tracker: str = "") -> dict[str, float]:
+    """Return of a row's hunts on an evaluation seed: caught, hunts, the sums of the times [s] and of their squares."""
     row = ROWS[name]
     settings = row_settings(row, runs, **({"sensing.tracker": tracker} if tracker else {}))
-    caught, times = 0, []
-    for seed in seeds:
-        frame = bh.evaluate(settings, planners=planner, arenas=row.arena, seed=seed, jobs=1)
-        caught += int(frame["caught"].sum())
-        times += frame["time"].tolist()
-    low, high = wilson_interval(caught, len(times))
-    spread = float(np.std(times) / len(times) ** 0.5)
+    frame = bh.evaluate(settings, planners=planner, arenas=row.arena, seed=seed, jobs=1)
+    times = frame["time"].to_numpy()
     return {
-        "row": name, "planner": planner, "tracker": settings.sensing.tracker, "caught": caught, "hunts": len(times),
-        "success": caught / len(times), "low": low, "high": high, "time": float(np.mean(times)), "time_se": spread,
+        "caught": int(frame["caught"].sum()), "hunts": len(times), "time": float(times.sum()),
+        "squares": float(times @ times),
     }  # fmt: skip
 
 
@@ -104,7 +118,7 @@ def calibration(name: str, runs: int, seed: int) -> dict[str, float]:
         while not pursuit.done:
             situation = pursuit.situation
             truth = in_frame(pursuit.moment.poses["prey"], pursuit.trial.start)
-            inside.append(_region(situation.belief, truth))  # type: ignore[arg-type]
+            inside.append(_region(situation.belief, truth))
             pursuit.step(mind.plan(situation, rng=pursuit.rng).gait)
     held = np.array(inside)
     return {"in_50": float((held < 0.5).mean()), "in_90": float((held < 0.9).mean()), "decisions": len(held)}
@@ -137,7 +151,7 @@ def expected_counts(name: str, runs: int, seed: int) -> dict[str, float]:
             now = in_frame(pursuit.moment.poses["prey"], pursuit.trial.start)
             if before is not None:
                 true[_cells(before.relative(now))[0]] += 1
-                told = situation.belief.expected  # type: ignore[union-attr]
+                told = situation.belief.expected
                 if told is not None:
                     transitions, weights = told
                     for cell, weight in zip(_cells(transitions), weights.tolist(), strict=True):
@@ -176,7 +190,7 @@ def decision_ratio(name: str, runs: int, seed: int) -> dict[str, float]:
     return {**found, "ratio": found["search"] / found["intercept"]}
 
 
-#: Name -> what is measured beside the hunts, of at most 8 of them a bearing, on the first seed.
+#: Name -> what is measured beside the hunts, on the first seed.
 MEASURES: dict[str, Callable[[str, int, int], dict[str, float]]] = {
     "calibration": calibration, "counts": expected_counts, "cost": decision_ratio
 }  # fmt: skip
@@ -184,31 +198,44 @@ MEASURES: dict[str, Callable[[str, int, int], dict[str, float]]] = {
 
 def main() -> None:
     """Print everything, a line at a time."""
+    options = _parser().parse_args()
+    results = Results(options.out)
+    for name in options.rows:
+        row = ROWS[name]
+        for planner in (options.planners or [row.planner]) if "hunts" in options.only else ():
+            tracker = options.tracker if row.camera else ""
+            parts = [
+                results.get(
+                    Key(name, planner, tracker, seed, options.runs), "hunts",
+                    partial(hunts, name, planner, seed, options.runs, tracker),
+                )
+                for seed in options.seeds
+            ]  # fmt: skip
+            print(_line(name, planner, tracker, pooled(parts)), flush=True)
+    for name in (name for name in options.rows if ROWS[name].camera and ROWS[name].preset == "paper"):
+        for measured in (measure for measure in MEASURES if measure in options.only):
+            runs, seed = min(options.runs, _MOST_RUNS), options.seeds[0]
+            key = Key(name, "search", "", seed, runs)
+            facts = results.get(key, measured, partial(MEASURES[measured], name, runs, seed))
+            print(f"{name}, {measured}: " + ", ".join(f"{k} {v:.3g}" for k, v in facts.items()), flush=True)
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=34, help="hunts per bearing and seed")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
-    parser.add_argument("--planners", nargs="+", default=["search"])
+    parser.add_argument("--planners", nargs="+", default=[], help="instead of the row's own")
     parser.add_argument("--tracker", default="", help="instead of particles: exact (the last sighting), kalman")
     parser.add_argument("--only", nargs="+", default=["hunts", *MEASURES], choices=["hunts", *MEASURES])
-    parser.add_argument("--json", action="store_true", help="a line of JSON for each row")
-    options = parser.parse_args()
-    for name in options.rows:
-        for planner in options.planners:
-            if "hunts" not in options.only:
-                continue
-            facts = hunts(name, planner, options.seeds, options.runs, options.tracker if ROWS[name].camera else "")
-            print(json.dumps(facts) if options.json else _line(facts), flush=True)
-    for name in (name for name in options.rows if ROWS[name].camera):
-        for measured in (measure for measure in MEASURES if measure in options.only):
-            facts = MEASURES[measured](name, min(options.runs, 8), options.seeds[0])
-            shown = {key: value if isinstance(value, int) else round(value, 3) for key, value in facts.items()}
-            print(json.dumps({"row": name, measured: shown}), flush=True)
+    parser.add_argument("--out", type=Path, default=_RESULTS, help="where figures are added, and read from")
+    return parser
 
 
-def _line(facts: dict[str, Any]) -> str:
+def _line(name: str, planner: str, tracker: str, facts: dict[str, float]) -> str:
+    by = f"{planner}, {tracker}" if tracker else planner
     return (
-        f"| {facts['row']} | {facts['planner']}, {facts['tracker']} | {100 * facts['success']:.1f} % "
+        f"| {name} | {by} | {100 * facts['success']:.1f} % "
         f"({facts['caught']}/{facts['hunts']}; {100 * facts['low']:.1f} to {100 * facts['high']:.1f}) | "
         f"{facts['time']:.1f} ± {facts['time_se']:.1f} s |"
     )
