@@ -83,7 +83,7 @@ class SearchPlanner(InterceptWallsPlanner):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the least expected time of capture, sight priced."""
         situation = check_request(situation, rng, self.hunter)
-        pairs, futures = self.pairs_from(situation), self.sampled(situation, rng)
+        pairs, futures = self.pairs_from(situation), self._futures(situation, rng)
         camera = situation.camera if isinstance(situation.camera, CameraSettings) else None
         width = self.body if camera is None else camera.target_width or self.body
         homing = replace(self.homing, reach=self.reach(situation))
@@ -111,11 +111,15 @@ class SearchPlanner(InterceptWallsPlanner):
 
         return charged
 
+    def _futures(self, situation: Situation, rng: np.random.Generator) -> Futures:
+        """Return those of the belief, or of the interception where the pose is told."""
+        if situation.camera is not None or isinstance(situation.belief, MovingBelief):
+            return self.sampled(situation, rng)
+        return self.turning(situation) if situation.pose is None else self.futures(situation)
+
     def sampled(self, situation: Situation, rng: np.random.Generator) -> Futures:
-        """Return equally weighted futures drawn from the belief; of a pose that is told, those of the interception."""
+        """Return equally weighted futures, drawn from the belief; without one, of the pose that is told."""
         belief = situation.belief
-        if situation.camera is None and not isinstance(belief, MovingBelief):
-            return self.turning(situation) if situation.pose is None else self.futures(situation)
         own = Pose(0.0, 0.0, 0.0) if situation.pose is None else situation.pose
         count, known = self.settings.samples, self.prey(situation)
         if isinstance(belief, MovingBelief):
