@@ -21,7 +21,9 @@ def replay(
     out: Annotated[Path, out_file("Page (HTML) to write.", "pages", ".html")],
     model: Annotated[
         Path | None,
-        typer.Option(help="Their model: draws where gaits were expected to lead, and how sure posteriors are."),
+        typer.Option(
+            help="Their model: draws where gaits were expected to lead, and opens posteriors down to the babbled rows."
+        ),
     ] = None,
     video: Video = None,
     as_json: Json = False,

@@ -11,6 +11,7 @@ import pandas as pd
 from bayeshunt.core import displays
 from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.errors import DataError
+from bayeshunt.episodes.answers import with_answers
 from bayeshunt.episodes.recorder import Step
 from bayeshunt.files import parquet
 from bayeshunt.files.atomic import check_source
@@ -47,6 +48,7 @@ class Episode(displays.Displayed):
         hunter sees them (a heading is NaN where only the place is predicted);
         ``alternative_values`` the least value under each of ``alternative_gaits``;
         ``considered_*`` every node of ``plan.trace``: gait, parent, value, forward, right, heading, chosen;
+        ``answer_*`` (in an episode read from a file) what its posterior rests on, as ``episodes.answers.Rests`` has it;
         ``prey_table`` the prey's [distance, angle, heading, count] per cell seen. Of a body that measures what it
         spends also ``energy`` [J] and ``falls``, up to the decision.
     trail: both robots' world poses every control interval.
@@ -110,7 +112,9 @@ class Episode(displays.Displayed):
         import pyarrow as pa
 
         record = {**self.provenance, "trail": {c: self.trail[c].tolist() for c in self.trail}}
-        table = pa.Table.from_pandas(self.frame, preserve_index=False).replace_schema_metadata(None)
+        table = pa.Table.from_pandas(
+            with_answers(self.frame, self.plans), preserve_index=False
+        ).replace_schema_metadata(None)
         check_ending(path, "episodes", ".parquet")
         parquet.write(table, record, path)
 

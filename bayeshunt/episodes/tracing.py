@@ -11,7 +11,7 @@ import pandas as pd
 from bayeshunt.core import displays
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait
-from bayeshunt.episodes.tracing_cells import CellTrace, trace_cell
+from bayeshunt.episodes.tracing_cells import CellTrace, cell_interval, trace_cell
 from bayeshunt.episodes.tracing_plans import PlanTrace, trace_plan
 from bayeshunt.models.body.explain import log_terms
 from bayeshunt.models.body.forward import ForwardModel
@@ -28,8 +28,8 @@ class Trace(displays.Displayed):
     answer: what is traced. gait: whose probability.
     factors: a row per gait: prior and what each observed variable gives, their product (the joint probability with
         the evidence), and the product's share of the sum: the posterior.
-    cells: a row per factor of ``gait``: variable, state, given, probability and count, its rows (missing where
-        nobody knows).
+    cells: a row per factor of ``gait``: variable, state, given, probability, count, its rows (missing where
+        nobody knows), and low, high, its 95 % interval (NaN where nobody knows, or where the table was set).
     """
 
     answer: Posterior
@@ -116,6 +116,7 @@ def _cells(answer: Posterior, gait: str) -> pd.DataFrame:
     for variable, state in {"Gait": gait, **answer.cell.evidence}.items():
         column = 0 if variable == "Gait" else model.gaits.index(gait)
         at = list(model.states[variable]).index(state)
+        low, high = cell_interval(model, variable, at)[:, model.gaits.index(gait)].tolist()
         rows.append(
             {
                 "variable": variable,
@@ -123,6 +124,8 @@ def _cells(answer: Posterior, gait: str) -> pd.DataFrame:
                 "given": "" if variable == "Gait" else f"Gait = {gait}",
                 "probability": model.cpt(variable).iloc[at, column],
                 "count": model.counts(variable).iloc[at, column] if model.has_counts else pd.NA,
+                "low": low,
+                "high": high,
             }
         )
     return pd.DataFrame(rows).astype({"count": "Int64"})

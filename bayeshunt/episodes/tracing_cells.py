@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core import displays
+from bayeshunt.core import displays, statistics
 from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.body.forward import ForwardModel
 
-__all__ = ["CellTrace", "trace_cell"]
+__all__ = ["CellTrace", "cell_interval", "trace_cell"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -22,7 +22,7 @@ class CellTrace(displays.Displayed):
 
     model: whose table. variable, state: the row. gait: the column; of P(Gait) the state itself.
     probability: as in ``model.cpt``. count: the rows behind it, total: those of the whole column; None where nobody
-    knows.
+    knows. within: its 95 % credible interval; None where nobody knows, or where the table was set, not estimated.
     """
 
     model: ForwardModel
@@ -32,6 +32,7 @@ class CellTrace(displays.Displayed):
     probability: float
     count: int | None
     total: int | None
+    within: tuple[float, float] | None = None
 
     @property
     def formula(self) -> str:
@@ -77,4 +78,30 @@ def trace_cell(model: ForwardModel, cell: Any) -> CellTrace:
     counts = model.counts(variable).to_numpy() if model.has_counts else None
     known = (None, None) if counts is None else (int(counts[row, column]), int(counts[:, column].sum()))
     probability = float(model.cpt(variable).to_numpy()[row, column])
-    return CellTrace(model, variable, state, gait, probability, *known)
+    at = row if variable == "Gait" else column
+    low, high = (float(end[at]) for end in cell_interval(model, variable, row))
+    return CellTrace(model, variable, state, gait, probability, *known, None if np.isnan(low) else (low, high))
+
+
+def cell_interval(model: ForwardModel, variable: str, row: int = 0) -> np.ndarray:
+    """Return the ends of the 95 % credible interval [2, G] of every gait's cell in one row of a table.
+
+    The very numbers of ``model.table(variable)``, without those of its other rows; of P(Gait) all, whatever the row.
+    NaN where nobody knows, or where the table was set.
+    """
+    names = model.gaits.names
+    if not model.has_counts or (variable == "Gait" and model.gait_prior == "uniform"):
+        return np.full((2, len(names)), np.nan)
+    if variable == "Gait":
+        return np.stack([end.to_numpy()[:, 0] for end in model.credible_interval(variable)])
+    counts = model.joint.marginal(variable)
+    pseudo = model.source.pseudo_counts(variable)
+    if np.ndim(pseudo) or pseudo > 0:
+        pseudo = _two(np.broadcast_to(pseudo, counts.shape), row).astype(float)
+    low, high = statistics.credible_interval(_two(counts, row), pseudo)
+    return np.stack([low[0], high[0]])
+
+
+def _two(table: np.ndarray, row: int) -> np.ndarray:
+    """One row, and all the others added up."""
+    return np.stack([table[row], table.sum(axis=0) - table[row]])

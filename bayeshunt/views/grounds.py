@@ -18,7 +18,9 @@ NO_COUNTS = "an imported network carries no counts"
 #: Where the low end of P(best gait) is below, the answer is not sure; from here on it is sure.
 _UNSURE, _SURE = 0.5, 0.95
 #: What a babbled row measured, in the order of every display.
-_MEASURED: dict[str, Callable[[float], str]] = {"distance": length, "angle": degrees, "heading": degrees}
+_MEASURED: dict[str, Callable[[float], str]] = {
+    "distance": length, "angle": degrees, "heading": degrees, "energy": lambda joules: f"{joules:.3g} J",
+}  # fmt: skip
 _NO_CHANCE = "the target itself has probability 0"
 #: What the tables of a model that depends on the gait before are, unless it is asked for those after a gait.
 SUMMED_OVER = "The gait before is summed over; model.after(gait) has the tables after one gait, with their counts."
@@ -32,7 +34,7 @@ def rows(support: Any) -> str:
 
 
 def babbled(found: pd.DataFrame, most: int) -> tuple[list[str], list[list[str]]]:
-    """Return column names and the first ``most`` babbled rows in words, a list each: label, distance, angle, heading.
+    """Return column names and the first ``most`` babbled rows in words, a list each: their label, what they measured.
 
     A column that the rows lack is left out.
     """
@@ -68,6 +70,11 @@ def within(found: pd.DataFrame) -> dict[str, tuple[float, float]]:
     """Return low and high by gait."""
     lows, highs = found["low"].tolist(), found["high"].tolist()
     return dict(zip(found.index, zip(lows, highs, strict=True), strict=True))
+
+
+def cell_within(low: float, high: float) -> str:
+    """Return the interval of a table's cell in words, as every table shows it: "0.911 to 0.978"."""
+    return f"{low:.3f} to {high:.3f}"
 
 
 def how_sure(answer: Posterior, found: pd.DataFrame) -> str:

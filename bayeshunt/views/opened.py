@@ -2,51 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from bayeshunt.core.units import label, true_minus
+from bayeshunt.episodes.answers import Rests, rests_on
 from bayeshunt.episodes.tracing import trace_answer
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
 from bayeshunt.views.pages.page import number
 
-__all__ = ["opened"]
+__all__ = ["opened", "opened_rests"]
 
 _MOST_ROWS = 30  # of one cell
 
 
 def opened(answer: Posterior, *, rows: bool = True) -> dict[str, Any]:
-    """Return what trace.js shows of an answer.
+    """Return what trace.js shows of an answer; :func:`opened_rests` says what.
 
-    gaits; variables: "Gait" and those observed; states: their bins as people read them; factors [V, G]: P(Gait) and
-    P(variable | gait and the variables before it); counts [V, G] of the cells, None where nobody knows.
     rows: of the most probable gait's cells, [index, distance, angle, heading] in words, where the model holds rows.
     """
     model, found = answer.model, trace_answer(answer)
-    names = list(model.gaits.names)
-    factors = found.factors.drop(columns=["product", "posterior"])
-    variables = ["Gait", *answer.cell.evidence]
+    rests = rests_on(answer, within=False)
     held = rows and model.has_counts and len(model.data) > 0
-    counts = [_counts(answer, variable) for variable in variables] if model.has_counts else None
+    plain = opened_rests(rests, model.gaits.names, answer.best)
+    return {**plain, "rows": [_rows(found.rows(variable)) for variable in rests.variables] if held else None}
+
+
+def opened_rests(rests: Rests, gaits: Sequence[str], best: str) -> dict[str, Any]:
+    """Return the cells behind an answer as plain values.
+
+    gaits; variables: "Gait" and those observed; states: their bins as people read them; factors [V, G]: P(Gait) and
+    P(variable | gait and the variables before it); counts [V, G] of the cells, and within [V, G], their intervals in
+    words, "" where a table was set: None where nobody knows. best: the gait whose rows are shown. rows: None.
+    """
     return {
-        "gaits": names,
-        "variables": variables,
-        "states": ["", *(true_minus(label(state)) for state in answer.cell.evidence.values())],
-        "factors": [[number(v) for v in factors[column].tolist()] for column in factors],
-        "counts": counts,
-        "best": answer.best,
-        "rows": [_rows(found.rows(variable)) for variable in variables] if held else None,
+        "gaits": list(gaits),
+        "variables": rests.variables,
+        "states": [true_minus(label(state)) for state in rests.states],
+        "factors": [[number(v) for v in values] for values in rests.factors.tolist()],
+        "counts": None if rests.counts is None else rests.counts.tolist(),
+        "within": None if rests.low is None or rests.high is None else _within(rests.low, rests.high),
+        "best": best,
+        "rows": None,
     }
 
 
-def _counts(answer: Posterior, variable: str) -> list[int]:
-    counts = answer.model.counts(variable)
-    table = counts.to_numpy()
-    if variable != "Gait":
-        return [int(n) for n in table[list(counts.index).index(answer.cell.evidence[variable])]]
-    return [int(n) for n in table[:, 0]]
+def _within(low: np.ndarray, high: np.ndarray) -> list[list[str]]:
+    ends = zip(low.tolist(), high.tolist(), strict=True)
+    return [["" if a != a else grounds.cell_within(a, b) for a, b in zip(*line, strict=True)] for line in ends]
 
 
 def _rows(frame: pd.DataFrame) -> dict[str, Any]:

@@ -108,6 +108,14 @@ _RULES = """
 .bh .bh-heat td:has(label){padding:0}
 .bh .bh-heat label{display:block;padding:2px 8px;cursor:pointer}
 .bh .bh-heat label input{appearance:none;width:0;height:0;margin:0;padding:0;border:0;outline:0;vertical-align:top}
+.bh .bh-cell{position:relative}
+.bh .bh-cell button{all:unset;display:none;position:absolute;inset:0 0 0 auto;width:14px;text-align:center;
+ cursor:pointer;background:var(--bh-chosen);color:var(--bh-paper);box-sizing:border-box}
+.bh td:hover>.bh-cell button,.bh .bh-cell:has(input:checked) button,.bh .bh-cell button:focus-visible{display:block}
+.bh .bh-cell:has(input:checked) button{width:100%;opacity:0}
+.bh .bh-cell:has(input:checked) button:focus-visible{opacity:1}
+.bh .bh-rows{list-style:none;margin:0;padding:0;font-variant-numeric:tabular-nums}
+.bh .bh-rows span{display:inline-block;min-width:4.5em;color:var(--bh-faint)}
 .bh .bh-signed .bh-marked{outline:2px solid var(--bh-ink);outline-offset:-2px}
 .bh .bh-readout{position:relative;padding-bottom:24px}
 @media(max-width:620px){.bh .bh-readout{padding-bottom:58px}}
@@ -152,7 +160,8 @@ _RULES = """
  overflow:auto;box-shadow:0 0 24px rgba(0,0,0,.25)}
 @media(max-width:620px){.bh .bh-side{inset:auto 0 0 0;width:100%;height:auto;max-height:66vh}}
 .bh .bh-head{margin-bottom:8px;display:flex;gap:10px;justify-content:space-between;align-items:flex-start}
-.bh .bh-crumbs{display:flex;flex-wrap:wrap;gap:2px 6px;list-style:none;margin:0;padding:0;font-weight:600}
+.bh .bh-crumbs{display:flex;flex-wrap:wrap;align-items:center;gap:2px 6px;list-style:none;margin:0;padding:0;
+ font-weight:600}
 .bh .bh-crumbs li+li::before{content:"› "}
 .bh .bh-side button{font:inherit;color:inherit;padding:1px 8px;min-height:24px;background:var(--bh-panel);
  border:1px solid var(--bh-line);border-radius:6px;cursor:pointer}

@@ -82,6 +82,36 @@ def test_a_bar_opens_down_to_its_rows_and_back(show, model) -> None:
     only_itself(watch)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("touch", [False, True])
+def test_a_cell_of_a_table_opens_its_rows(show, model, touch) -> None:
+    """By its edge at once, by a second click or tap, and by Enter; Esc and the breadcrumb close it."""
+    page, watch = show(model, has_touch=touch, viewport={"width": 390 if touch else 1400, "height": 900})
+    opened = page.locator(".bh-side:popover-open")
+    cell = page.locator("td:has(.bh-cell)").nth(4)
+    cell.scroll_into_view_if_needed()
+    if touch:
+        cell.tap()
+        assert opened.count() == 0
+        cell.tap()
+    else:
+        box = cell.bounding_box()
+        cell.click(position={"x": box["width"] - 5, "y": box["height"] / 2})
+    assert cell.get_attribute("title").split(" rows")[0].split(", ")[-1] in opened.inner_text()
+    page.keyboard.press("Escape")
+    assert opened.count() == 0
+    page.locator("td input[type=radio]").first.focus()
+    page.keyboard.press("Space")
+    page.keyboard.press("ArrowRight")
+    picked = page.locator("td:has(input:checked)")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert picked.get_attribute("title").split(" = ")[1].split(" |")[0].split()[0] in opened.inner_text()
+    opened.locator(".bh-crumbs button").click()
+    assert opened.count() == 0
+    only_itself(watch)
+
+
 #: What JupyterLab 4 says of tables in an output, in its own words.
 JUPYTER = """
 .jp-RenderedHTMLCommon table{border-collapse:collapse;border-spacing:0;border:none;font-size:13px;table-layout:fixed;

@@ -176,6 +176,24 @@ def test_a_probability_opens_down_to_its_rows(page_of, settings, model):
     assert watch.errors == []
 
 
+@pytest.mark.slow
+def test_a_row_of_the_prey_table_opens_to_the_steps_that_it_counts(page_of, planned):
+    page, watch = page_of(planned, f"#d={len(planned.frame)}")
+    cells = list(planned.frame["prey_table"].iloc[-1])
+    button = page.locator("[data-part=prey] tr button").first
+    name, count = button.inner_text(), int(cells[0][3])
+    button.focus()
+    page.keyboard.press("Enter")
+    panel = page.get_by_role("region", name="Where a number comes from")
+    assert panel.locator(".formula").inner_text().startswith(f"{count} of {len(planned.frame) - 1} = ")
+    assert panel.locator("tbody tr").count() == count
+    assert panel.locator("nav li").last.inner_text().startswith(name)
+    before = int(panel.locator("tbody th").first.inner_text().split()[1])
+    panel.locator("tbody button").first.click()
+    assert page.locator("[data-player]").get_attribute("data-step") == str(before - 1)
+    assert watch.errors == []
+
+
 def test_a_value_opens_to_the_sequences_under_its_gait(page_of, planned):
     page, _ = page_of(planned)
     page.locator("[data-part=bars] tr.chosen button").click()

@@ -64,6 +64,26 @@ def test_other_structures_multiply_too():
     np.testing.assert_allclose(bh.trace(answer).factors["posterior"], answer.values, atol=1e-12)
 
 
+@pytest.mark.parametrize("structure", ["naive", "tan", "previous_gait"])
+def test_a_cell_has_the_interval_of_its_table(khepera_frame, structure):
+    gaits = bh.load_robot("khepera").gaits
+    for prior, gait_prior in ((0.0, "uniform"), (0.3, "empirical")):
+        whole = bh.ForwardModel.fit(khepera_frame, gaits, prior, structure=structure, gait_prior=gait_prior)
+        model = whole.after(gaits.names[2])
+        answer = bh.InverseModel(model).posterior(0.16, -0.35, -0.5)
+        for cell in bh.trace(answer).cells.to_dict("records"):
+            table = model.table(cell["variable"])
+            own = bh.trace(model, cell=(cell["variable"], cell["state"], answer.best))
+            if table.low is None:
+                assert (np.isnan(cell["low"]), own.within) == (True, None)
+                continue
+            place = (cell["state"], "low" if cell["variable"] == "Gait" else answer.best)
+            low, high = table.low.loc[place], table.high.loc[(place[0], place[1].replace("low", "high"))]
+            assert (cell["low"], cell["high"]) == pytest.approx((low, high), rel=1e-12)
+            assert own.within == pytest.approx((low, high), rel=1e-12)
+            assert f"{low:.3f} to {high:.3f}" in own._repr_html_()
+
+
 def test_what_cannot_be_traced(model):
     with pytest.raises(InputError, match="answer"):
         bh.trace("x")

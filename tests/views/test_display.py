@@ -173,6 +173,70 @@ def test_every_cell_that_holds_something_can_be_picked_by_keyboard_and_by_a_clic
     assert shown.table._repr_html_() == shown.table._repr_html_()
 
 
+def panels(page: Reader) -> dict[str, str]:
+    """The words of each panel, by the label of what opens it: the last words on the button, or its name."""
+    said = {e["attributes"]["id"]: e["text"] for e in page.find("div", "bh-side")}
+    buttons = [e for e in page.find("button") if "bh-side" not in str(e["parents"]) and e["text"] != "×"]
+    return {e["attributes"].get("aria-label") or e["text"]: said[e["attributes"]["popovertarget"]] for e in buttons}
+
+
+def test_a_cell_of_a_table_opens_its_rule_interval_and_rows(shown) -> None:
+    for model in (shown.model, shown.tree):
+        table = model.table("Angle")
+        opened = panels(check(table._repr_html_()))
+        counts = table.count.to_numpy()
+        for i, j in np.argwhere(counts > 0).tolist():
+            state, gait = table.count.index[i], table.count.columns[j]
+            words = opened[f"Rows of P(Angle = {said(state)} | {gait})"]
+            found = bh.trace(model, cell=("Angle", state, gait))
+            assert units.true_minus(found.formula.replace(state, units.label(state))) in words
+            low, high = table.low.iat[i, j], table.high.iat[i, j]
+            assert f"95 % interval {low:.3f} to {high:.3f}" in words
+            assert f"{counts[i, j]} of {counts[:, j].sum()} rows: distance, angle, heading" in words
+            rows = found.rows()
+            label, distance = rows.index[0], rows["distance"].iloc[0]
+            assert f"{label}{units.length(distance)}, {units.true_minus(units.degrees(rows['angle'].iloc[0]))}" in words
+        assert "Rows of P(Angle = 90° | straight)" not in opened  # nothing fell there
+    gait = shown.model.gaits.names[0]
+    words = panels(check(shown.model.table("Gait")._repr_html_()))[f"Rows of P({gait})"]
+    assert "set, as in the paper; 40 rows" in words
+    assert panels(check(shown.imported_table._repr_html_())) == {}
+
+
+def test_of_very_many_cells_the_fullest_open(shown, monkeypatch) -> None:
+    monkeypatch.setattr(tables, "_MOST_OPEN", 7)
+    table = shown.model.table("Angle")
+    page = check(table._repr_html_())
+    said_of = [e["text"] for e in page.find("div", "bh-side")]
+    counted = [int(re.search(r"interval 0.\d{3} to [01].\d{3}(\d+) of", text).group(1)) for text in said_of]
+    assert counted == sorted(table.count.to_numpy().ravel(), reverse=True)[:7]
+
+
+def test_a_row_of_the_prey_table_opens(shown) -> None:
+    page = check(shown.prey._repr_html_())
+    frame = shown.prey.cpt().sort_values("count", ascending=False, kind="stable")
+    words = [e["text"] for e in page.find("div", "bh-side")]
+    assert len(words) == len(frame)
+    for text, (labels, row) in zip(words, frame.iterrows(), strict=True):
+        count, total = int(row["count"]), shown.prey.observations
+        assert ", ".join(map(said, labels)) in text
+        assert f"P = {count} / {total} = {count / total:.4g}" in text
+        assert f"95 % interval {row['low']:.3f} to {row['high']:.3f}" in text
+
+
+def test_a_gait_of_the_energy_table_opens() -> None:
+    robot = bh.load_robot("hexapod")
+    model = bh.ForwardModel.fit(bh.babble(robot, 40, 0), robot.gaits, 0.1)
+    opened = panels(check(model._repr_html_()))
+    for name in robot.gaits.names:
+        own = model.rows("Gait", name)
+        cost = model.energy(name).iloc[0]
+        assert (
+            f"{cost['mean_j']:.3g} J, the mean of {'one row' if len(own) == 1 else f'{len(own)} rows'}" in opened[name]
+        )
+        assert f"{own['energy'].iloc[0]:.3g} J" in opened[name]
+
+
 def test_a_table_says_what_it_sums_over(shown) -> None:
     table = shown.tree.table("Angle")
     others = [p for p in shown.tree.structure.parents("Angle") if p != "Gait"]

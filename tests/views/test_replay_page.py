@@ -99,6 +99,28 @@ def test_the_prey_table_grows_by_one_transition_a_step(episodes):
             assert sum(cell[3] for cell in table) == k
 
 
+@pytest.mark.parametrize("name", ["reactive", "prediction"])
+def test_a_file_alone_says_how_sure_every_posterior_is(episodes, khepera_model, tmp_path, name):
+    """And opens it down to the counts of its cells; the rows themselves are the model's."""
+    episode = episodes[name]
+    episode.save(tmp_path / "hunt.parquet")
+    loaded = bh.Episode.load(tmp_path / "hunt.parquet")
+    alone, fresh = replay_data(loaded)["steps"], replay_data(episode)["steps"]
+    asked = replay_data(loaded, model=khepera_model)["steps"]
+    for step, own, again, plan in zip(alone, fresh, asked, episode.plans, strict=True):
+        found = plan.answer.interval()
+        np.testing.assert_allclose([ends[:2] for ends in step["bars"]["within"]], found[["low", "high"]], rtol=1e-3)
+        assert step["bars"] == own["bars"] == again["bars"]
+        kept, whole = step["opened"], own["opened"]
+        assert {**kept, "best": "", "rows": None} == {**whole, "best": "", "rows": None}
+        assert whole == again["opened"]
+        assert np.prod(kept["factors"], axis=0).sum() == pytest.approx(plan.evidence_probability, rel=1e-4)
+        assert [rows["count"] for rows in whole["rows"]] == [counts[plan.answer.model.gaits.index(plan.gait)]
+                                                             for counts in kept["counts"]]  # fmt: skip
+    loaded.save(tmp_path / "again.parquet")
+    assert (tmp_path / "again.parquet").read_bytes() == (tmp_path / "hunt.parquet").read_bytes()
+
+
 def test_a_heading_that_is_not_known_is_none(episodes):
     """A page must not hold NaN, which is no JSON, and no heading that nobody predicted."""
     episode = episodes["omniscient"]

@@ -294,7 +294,7 @@ class OpenTables:
             low, high = self.credible_interval(variable, level)
         return ProbabilityTable(
             self._named(variable), self.cpt(variable), self.counts(variable), low, high, level, self.prior, self.known,
-            others,
+            others, self,
         )  # fmt: skip
 
     def credible_interval(self, variable: str, level: float = 0.95) -> tuple[pd.DataFrame, pd.DataFrame]:

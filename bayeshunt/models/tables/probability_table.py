@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import pandas as pd
 
@@ -22,6 +23,7 @@ class ProbabilityTable(displays.Displayed):
     prior: Dirichlet pseudo-count per cell of the probabilities.
     known: states of other variables that the table is conditioned on, {"PreviousGait": name}.
     summed_over: other parents of the variable in the model's structure, which the table leaves out.
+    model: the forward model whose table it is, which opens its cells; None: nobody knows.
     In an imported network nobody knows count, low, high and prior: they are None.
     """
 
@@ -34,6 +36,7 @@ class ProbabilityTable(displays.Displayed):
     prior: float | None
     known: Mapping[str, str] = field(default_factory=dict)
     summed_over: tuple[str, ...] = ()
+    model: Any = None
 
     @property
     def name(self) -> str:

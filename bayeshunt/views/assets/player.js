@@ -376,6 +376,10 @@ class Player {
       const [far, wide, turned] = this.hunt.bins; // a cell is all of its bin, not the middle
       const cells = [range(row[0], far, lengths), range(row[1], wide, angles), range(row[2], turned, angles), String(Number(row[3].toPrecision(3))), share];
       line.append(...cells.map((text) => element("td", {}, null, text)));
+      const open = element("button", { class: "plain", title: "the decisions before which this was seen" }, null, cells[0]);
+      open.type = "button";
+      open.addEventListener("click", () => this.openTransition(step, row, cells));
+      line.firstElementChild.replaceChildren(open);
       if (i === step.fresh) {
         line.className = "new";
         line.title = "seen in the step just before";
@@ -383,6 +387,20 @@ class Player {
       return line;
     }));
     this.parts["prey-box"].hidden = !step.prey.length;
+  }
+
+  /* A cell of the prey table, in the panel at the side: its count, and the steps that fell into it. */
+  openTransition(step, row, cells) {
+    this.pause();
+    const same = (other) => other && [0, 1, 2].every((k) => other[k] === row[k]);
+    const seen = this.hunt.steps.slice(0, step.number + 1).filter((past) => past.fresh >= 0 && same(past.prey[past.fresh]));
+    const total = step.prey.reduce((sum, other) => sum + other[3], 0), table = { title: "Prey table", fill: (body) => {
+      sayThere(body, `${step.observations} transitions seen before decision ${step.number + 1}, in ${step.prey.length} cells`);
+    } };
+    this.trace.show([table, { title: cells.slice(0, 3).join(", "), fill: (body) => {
+      sayThere(body, `${Number(row[3].toPrecision(3))} of ${Number(total.toPrecision(3))} = ${cells[4]}`);
+      if (seen.length) this.trace.table(body, ["seen before", "at", "then decided"], seen.map((past) => [`decision ${past.number + 1}`, `${past.time.toFixed(1)} s`, past.gait]), (k) => this.toDecision(seen[k].number + 1));
+    } }]);
   }
 
   // --- canvas -------------------------------------------------------------------------------

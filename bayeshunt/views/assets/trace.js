@@ -52,8 +52,9 @@ class TracePanel {
     level.fill = (body) => {
       const parts = opened.factors.map((values) => digits(values[g])).join(" × ");
       element("p", { class: "formula" }, body, `P(${gait} | ${opened.variables.slice(1).join(", ")}) = ${parts} / ${digits(whole)} = ${digits(product(g) / whole)}`);
-      this.table(body, ["factor", "P", "rows"], opened.variables.map((_, v) => [
-        v ? `P(${named(v)} | ${gait})` : "P(Gait)", digits(opened.factors[v][g]), opened.counts ? String(opened.counts[v][g]) : "unknown",
+      const within = (v) => (opened.within ? [opened.within[v][g] || "set"] : []);
+      this.table(body, ["factor", "P", ...(opened.within ? ["95 % interval"] : []), "rows"], opened.variables.map((_, v) => [
+        v ? `P(${named(v)} | ${gait})` : "P(Gait)", digits(opened.factors[v][g]), ...within(v), opened.counts ? String(opened.counts[v][g]) : "unknown",
       ]), (v) => this.show([...before, level, this.cell(opened, v, g, named(v))]));
       element("p", {}, body, "Every gait:");
       this.table(body, ["gait", "product", "share"], opened.gaits.map((name, k) => [name, digits(product(k)), digits(product(k) / whole)]),
@@ -71,9 +72,12 @@ class TracePanel {
         const total = opened.counts && opened.counts[0][g], p = String(Number(opened.factors[v][g].toPrecision(6)));
         element("p", { class: "formula" }, body, !opened.counts ? `${p}: given, nobody counted`
           : v ? `${p}: ${count} of ${total} rows of ${gait}` : `${p}: ${count} rows of ${gait}`);
+        const within = opened.within && opened.within[v][g];
+        if (within) element("p", {}, body, `95 % interval ${within}`);
         const rows = opened.rows && gait === opened.best ? opened.rows[v] : null;
         if (!rows) {
-          element("p", {}, body, opened.counts ? `In Python: model.rows("${v ? opened.variables[v] : "Gait"}", ...) gives them.` : "");
+          const at = v ? `"${opened.variables[v]}", "${opened.states[v]}", "${gait}"` : `"Gait", "${gait}"`;
+          if (opened.counts && count) element("p", {}, body, `The rows themselves are in the model: model.rows(${at}) in Python.`);
           return;
         }
         this.table(body, rows.columns, rows.lines);

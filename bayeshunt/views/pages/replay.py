@@ -23,13 +23,15 @@ from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.core.units import objective
+from bayeshunt.episodes.answers import Rests, rests_on, stored
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
-from bayeshunt.views.opened import opened
+from bayeshunt.views.opened import opened, opened_rests
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
 from bayeshunt.views.pages.replay_belief import belief_of, field_of_view
@@ -61,7 +63,8 @@ def replay_html(episode: Any, *, model: ForwardModel | None = None, source: Sequ
 
     episode: an Episode, or a list of them.
     model: where planners that keep no path (reactive, prediction) expect their gait to lead is drawn
-        from it, and how sure their posteriors are; without it they show their aim alone.
+        from it; without it they show their aim alone. Of an episode from a file it also gives the babbled rows behind
+        their posteriors, and of files of earlier versions how sure these are.
     source: options of the command shown at the foot, as ``commands.model_option`` gives them.
 
     Raises InputError if that is no episode, or if a hunt ended before its first decision.
@@ -103,15 +106,13 @@ def replay_data(
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]
     before = [None, *(row["gait"] for row in records)]
-    asks = any(row["posterior"] is not None for row in records)
-    inverse = InverseModel(model) if asks and model is not None else None
     steps = [
         {
-            **_step(row, settings, model, inverse, previous),
+            **_step(row, settings, model, answer, previous),
             "realised": realised(row, episode, settings.robot.gait_duration),
             "considered": considered(row, model, previous) if nodes else None,
         }
-        for row, previous in zip(records, before, strict=False)
+        for row, previous, answer in zip(records, before, _answers(episode, model, records, before), strict=False)
     ]
     return {
         "title": f"{planner}, {arena} arena, prey first at {units.theta(theta)}",
@@ -133,6 +134,18 @@ def replay_data(
     }  # fmt: skip
 
 
+def _answers(
+    episode: Episode, model: ForwardModel | None, records: list[dict[str, Any]], before: list[str | None]
+) -> list[Posterior | None]:
+    """The answer that each decision rests on: its plan's own, or where that carries none the model's, asked again."""
+    own = [plan.answer for plan in episode.plans] or [None] * len(records)
+    asks = any(row["posterior"] is not None and answer is None for row, answer in zip(records, own, strict=True))
+    if not asks or model is None:
+        return own
+    inverse, rows = InverseModel(model), zip(own, records, before, strict=False)
+    return [asked_again(row, inverse, previous) if answer is None else answer for answer, row, previous in rows]
+
+
 def _trail(episode: Episode, every: int) -> dict[str, list[Any]]:
     """Both robots' poses from the start; 0.1 mm and 0.1 mrad are finer than a screen can show."""
     kept = np.arange(len(episode.trail)) % every == every - 1
@@ -149,7 +162,7 @@ def _step(
     row: dict[str, Any],
     settings: ExperimentSettings,
     model: ForwardModel | None,
-    inverse: InverseModel | None,
+    answer: Posterior | None,
     previous: str | None,
 ) -> dict[str, Any]:
     """Everything that the panels and the canvas show of one decision."""
@@ -162,7 +175,7 @@ def _step(
     if any(cell[3] % 1 for cell in prey_rows):  # expected counts: many cells, most of them hardly likely
         prey_rows = sorted(prey_rows, key=lambda cell: -cell[3])[:_LIKELIEST]
     observed = _polar(row, "observed")
-    answer = asked_again(row, inverse, previous)
+    rests = stored(row) if answer is None else rests_on(answer)
     return {
         "number": int(row["step"]), "time": number(row["time"]), "gait": row["gait"],
         "plan": [[gait, len(list(run))] for gait, run in groupby(plan)],
@@ -176,11 +189,18 @@ def _step(
         "predicted": _world_path(hunter, predicted),
         "aimed": _aimed(predicted, target),
         "planned": _world_path(hunter, _stored_path(row, "planned") or _expected_path(plan, model, previous)),
-        "bars": {**_bars(row, settings), "within": whiskers(answer)},
-        "opened": None if answer is None else opened(answer),
+        "bars": {**_bars(row, settings), "within": whiskers(rests)},
+        "opened": _opened(rests, answer, settings),
         "belief": belief_of(row, hunter),
         "energy": number(row["energy"]) if "energy" in row else None, "falls": int(row.get("falls", 0)),
     }  # fmt: skip
+
+
+def _opened(rests: Rests | None, answer: Posterior | None, settings: ExperimentSettings) -> dict[str, Any] | None:
+    """What a decision's posterior is made of; with rows where an answer is at hand."""
+    if answer is not None:
+        return opened(answer)
+    return None if rests is None else opened_rests(rests, settings.robot.gaits.names, "")
 
 
 def _bars(row: dict[str, Any], settings: ExperimentSettings) -> dict[str, Any]:

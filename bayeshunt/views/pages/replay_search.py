@@ -8,11 +8,12 @@ import numpy as np
 
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.core.units import bounds, objective
+from bayeshunt.episodes.answers import Rests
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
-from bayeshunt.views import grounds, theme
+from bayeshunt.views import theme
 from bayeshunt.views.pages.page import number
 
 __all__ = ["asked_again", "colours", "considered", "realised", "whiskers"]
@@ -85,12 +86,11 @@ def asked_again(row: dict[str, Any], inverse: InverseModel | None, previous: str
     return answer if np.allclose(answer.values, row["posterior"], atol=1e-9) else None
 
 
-def whiskers(answer: Posterior | None) -> list[list[Any]] | None:
+def whiskers(rests: Rests | None) -> list[list[Any]] | None:
     """Return low and high end of every P(Gait | target), and both in words; None where nobody can say."""
-    if answer is None or not answer.model.has_counts:
+    if rests is None or rests.within is None:
         return None
-    ends = grounds.within(answer.interval()).values()
-    return [[number(low, 4), number(high, 4), bounds(low, high)] for low, high in ends]
+    return [[number(low, 4), number(high, 4), bounds(low, high)] for low, high in rests.within.T.tolist()]
 
 
 def colours(episode: Episode) -> dict[str, str]:

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.errors import ZeroCountError
@@ -22,6 +21,7 @@ from bayeshunt.views.drawings import maps, network
 from bayeshunt.views.drawings.tornado import tornado
 from bayeshunt.views.notebook.html import Html, join, number, tag
 from bayeshunt.views.sheets import tracing
+from bayeshunt.views.sheets.energy import energy
 from bayeshunt.views.sheets.panels import panels
 from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Opening, Part, Printed, Sheet, Table
 from bayeshunt.views.sheets.tables import heat_table
@@ -89,34 +89,6 @@ def _gaits(model: ForwardModel) -> Table:
     heads = ["gait", *([] if counts is None else ["rows"]), "mean outcome", *columns]
     words = frozenset(i for i, name in enumerate(heads) if name != "rows")
     return Table(heads, rows, words=words, most=len(rows))
-
-
-def energy(model: ForwardModel) -> Table:
-    """A row per gait: what it costs, with its interval, and after which gait it costs least and most."""
-    frame, rows = model.energy(), []
-    alone = frame["previous_gait"].isna().any()
-    for name in model.gaits.names:
-        own = frame[frame["gait"] == name]
-        whole = own[own["previous_gait"].isna()] if alone else own
-        pairs = own[own["previous_gait"].notna() & (own["rows"] > 1)] if alone else own.iloc[:0]
-        least, most = (pairs["mean_j"].idxmin(), pairs["mean_j"].idxmax()) if len(pairs) else (None, None)
-        rows.append([name, *_cost(whole), *(_after(pairs, at) for at in (least, most))])
-    heads = ["gait", "rows", "mean J", "95 %", "least after", "most after"]
-    return Table(heads, rows, words=frozenset({0, 3, 4, 5}), most=len(rows))
-
-
-def _cost(cell: pd.DataFrame) -> list[object]:
-    if not len(cell) or not cell["rows"].iloc[0]:
-        return [0, "never babbled", ""]
-    row = cell.iloc[0]
-    return [int(row["rows"]), f"{row['mean_j']:.3g}", f"{row['low_j']:.3g} to {row['high_j']:.3g}"]
-
-
-def _after(pairs: pd.DataFrame, at: Any) -> str:
-    if at is None:
-        return ""
-    row: Any = pairs.loc[at]
-    return f"{row['previous_gait']}: {row['mean_j']:.3g} ({row['rows']} rows)"
 
 
 def _outcome(model: ForwardModel, index: int) -> str:

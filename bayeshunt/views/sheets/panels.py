@@ -1,4 +1,4 @@
-"""One side panel for each bar of a posterior: its formula, its cells with their counts, and their rows.
+"""One side panel for each number of a card: its formula, its count and interval, and the rows behind it.
 
 Popovers of HTML: a card has no script, and needs none for a click, Enter, a breadcrumb and Esc.
 """
@@ -6,17 +6,22 @@ Popovers of HTML: a card has no script, and needs none for a click, Enter, a bre
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from typing import Any
 
-from bayeshunt.core.units import true_minus
+import pandas as pd
+
+from bayeshunt.core.units import label, true_minus
+from bayeshunt.episodes.tracing import CellTrace
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
 from bayeshunt.views.notebook.html import Html, join, number, row, table, tag
 from bayeshunt.views.opened import opened
 
-__all__ = ["panels"]
+__all__ = ["babbled_list", "cell_panel", "panels", "side"]
 
 _MOST_ROWS = 12  # of one cell
+_NO_ROWS = "the model holds none, model.with_data(frame) gives it its own again"
 
 
 def panels(answer: Posterior) -> tuple[dict[str, str], Html]:
@@ -42,11 +47,11 @@ def _panel(answer: Posterior, facts: dict[str, Any], at: int, name: str) -> Html
             cell = f"{name}-{place}"
             below.append(_rows(answer, variable, gait, (name, cell), f"{variable} {state}".strip()))
             said = tag("button", said, type="button", popovertarget=cell)
-        rows.append(row(f"{variable} {state}".strip(), [number(factors[place], 4), tag("td", said)]))
+        within = facts["within"][place][at] or "set"
+        rows.append(row(f"{variable} {state}".strip(), [number(factors[place], 4), within, tag("td", said)]))
     ends = f" = {number(float(answer.values[at]), 4)}"
-    return join(
-        [_side(name, [f"P({gait})"], tag("p", formula + ends), table(["table of", "P", "counted"], rows)), *below]
-    )
+    heads = ["table of", "P", "95 % interval", "counted"]
+    return join([side(name, [f"P({gait})"], tag("p", formula + ends), table(heads, rows)), *below])
 
 
 def _rows(answer: Posterior, variable: str, gait: str, names: tuple[str, str], said: str) -> Html:
@@ -57,11 +62,38 @@ def _rows(answer: Posterior, variable: str, gait: str, names: tuple[str, str], s
     rest = len(found) - len(lines)
     more = tag("p", f"and {rest} more") if rest else None
     shown = table(columns, (row(at, map(true_minus, words)) for at, *words in lines))
-    return _side(names[1], [f"P({gait})", said], shown, more)
+    return side(names[1], [f"P({gait})", said], shown, more)
 
 
-def _side(name: str, path: list[str], *content: Any) -> Html:
-    """A panel with its breadcrumb, whose first part closes what lies above it."""
+def cell_panel(opened: CellTrace, title: str, name: str, most: int) -> Html:
+    """Return the panel of a cell of a table: its rule with its numbers, its interval, and at most ``most`` rows.
+
+    title: of the table. name: id of the panel.
+    """
+    state = opened.state if opened.variable == "Gait" else label(opened.state)
+    said = [true_minus(opened.formula.replace(f"= {opened.state}", f"= {state}", 1))]
+    said += [] if opened.within is None else [f"95 % interval {grounds.cell_within(*opened.within)}"]
+    here = state if opened.variable == "Gait" else f"{state}, {opened.gait}"
+    counted = f"{opened.count} of {opened.total} rows"
+    rows = babbled_list(opened.rows(), most, counted) if len(opened.model.data) else tag("p", f"{counted}; {_NO_ROWS}")
+    return side(name, [title, true_minus(here)], *(tag("p", line) for line in said), rows)
+
+
+def babbled_list(found: pd.DataFrame, most: int, said: str) -> Html:
+    """Return the first babbled rows as a list under what is ``said`` of them, and how many more there are."""
+    columns, lines = grounds.babbled(found, most)
+    listed = tag("ol", *(_listed(*line) for line in lines), class_="bh-rows")
+    rest = len(found) - len(lines)
+    head = tag("p", f"{said}: {', '.join(columns[1:])}")
+    return join([head, listed, tag("p", f"and {rest} more") if rest else None])
+
+
+def _listed(at: str, *said: str) -> Html:
+    return tag("li", tag("span", at), true_minus(", ".join(said)))
+
+
+def side(name: str, path: Sequence[str], *content: Any) -> Html:
+    """Return a panel with its breadcrumb, whose first part closes what lies above it."""
     back = {"type": "button", "popovertarget": name, "popovertargetaction": "hide"}
     *before, here = path
     crumbs = [tag("li", tag("button", part, **back)) for part in before]

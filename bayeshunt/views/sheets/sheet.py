@@ -34,6 +34,7 @@ class Table(NamedTuple):
     """Rows under named columns; the first cell names its row.
 
     lit: rows that stand out. words: columns set to the left. left_out: what else there is. most: rows of text.
+    opens: the panel of each row that has one, by its id.
     """
 
     columns: Sequence[str]
@@ -42,6 +43,7 @@ class Table(NamedTuple):
     words: frozenset[int] = frozenset({0})
     left_out: str = ""
     most: int = 60
+    opens: dict[int, str] | None = None
 
     def lines(self) -> list[str]:
         """Return aligned lines; names are cut."""
@@ -54,7 +56,11 @@ class Table(NamedTuple):
         """Return a scrolling table with its note."""
         left = [i in self.words for i in range(len(self.columns))]
         rows = [
-            row(cells[0], (_cell(cell, at) for cell, at in zip(cells[1:], left[1:], strict=True)), lit=i in self.lit)
+            row(
+                _button(cells[0], i, self.opens),
+                (_cell(cell, at) for cell, at in zip(cells[1:], left[1:], strict=True)),
+                lit=i in self.lit,
+            )
             for i, cells in enumerate(self.rows)
         ]
         note = tag("div", self.left_out, class_="bh-note") if self.left_out else None
@@ -95,14 +101,14 @@ class Bars(NamedTuple):
             bar = tag("span", class_="bh-bar", style=f"width:{100 * share / top:.1f}%") if float(said) else ""
             inner = tag("div", bar, self._whisker(name, top), class_="bh-scale", style=f"width:{100 * top / end:.1f}%")
             rows.append(
-                row(self._named(name), [tag("td", inner, class_="bh-track"), self._said(name)], lit=name == self.lit)
+                row(
+                    _button(name, name, self.opens),
+                    [tag("td", inner, class_="bh-track"), self._said(name)],
+                    lit=name == self.lit,
+                )
             )
         heads = ["Gait", "", "probability" if self.within is None else "probability (95 % interval)"]
         return table(heads, rows, class_="bh-bars")
-
-    def _named(self, name: str) -> Any:
-        """The name, which opens its panel."""
-        return name if self.opens is None else tag("button", name, type="button", popovertarget=self.opens[name])
 
     def _whisker(self, name: str, top: float) -> Any:
         """A line over the bar from the low to the high end of its interval."""
@@ -114,22 +120,22 @@ class Bars(NamedTuple):
 
 
 class Opening(NamedTuple):
-    """Bars whose names open panels, made only when HTML is asked for.
+    """Bars or a table whose names open panels, made only when HTML is asked for.
 
-    make: returns name -> id of its panel, and the panels.
+    make: returns the id of each one's panel, and the panels.
     """
 
-    make: Callable[[], tuple[dict[str, str], Html]]
-    bars: Bars
+    make: Callable[[], tuple[dict[Any, str], Html]]
+    shown: Bars | Table
 
     def lines(self) -> list[str]:
-        """Return the bars as lines."""
-        return self.bars.lines()
+        """Return them as lines."""
+        return self.shown.lines()
 
     def html(self) -> Html:
-        """Return the bars and their panels."""
+        """Return them and their panels."""
         ids, panels = self.make()
-        return join([self.bars._replace(opens=ids).html(), panels])
+        return join([self.shown._replace(opens=ids).html(), panels])
 
 
 class Note(NamedTuple):
@@ -206,6 +212,13 @@ class Sheet(NamedTuple):
         """Return it as a display of its own: a plain str, as every notebook takes it."""
         known = facts((name, true_minus(str(value))) for name, value in self.pairs) if self.pairs else None
         return str(card(self.title, self.subtitle, known, *(part.html() for part in self.parts if part is not None)))
+
+
+def _button(name: Any, key: Any, opens: dict[Any, str] | None) -> Any:
+    """A name, which opens its panel where it has one."""
+    if opens is None or key not in opens:
+        return name
+    return tag("button", name, type="button", popovertarget=opens[key])
 
 
 def _cell(cell: Any, left: bool) -> Any:

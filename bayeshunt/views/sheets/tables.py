@@ -1,20 +1,21 @@
-"""Sheets of probability tables, as heat maps: count and interval of every cell at hand, long tables readable."""
+"""Sheets of probability tables, as heat maps: count, interval and rows of every cell at hand, long tables readable."""
 
 from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Sized
 from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import NothingObservedError
-from bayeshunt.core.units import degrees, label, length, true_minus
+from bayeshunt.core.units import label, true_minus
+from bayeshunt.episodes.tracing import CellTrace
 from bayeshunt.models.tables.probability_table import ProbabilityTable
-from bayeshunt.models.target.prey import PreyModel
-from bayeshunt.views.drawings import maps, svg
+from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, number, probability, row, table, tag
-from bayeshunt.views.sheets.sheet import Drawn, Note, Part, Printed, Sheet, Table
+from bayeshunt.views.sheets.panels import cell_panel
+from bayeshunt.views.sheets.sheet import Drawn, Part, Printed, Sheet, Table
 from bayeshunt.views.terminal.text_tables import clean
 
 #: Of a longer table only the likeliest bins are shown.
@@ -23,6 +24,8 @@ MOST_ROWS = 200
 _FEW_BINS = 12
 _MOST_PRINTED = 60  # rows of a table in text
 _MOST_STRIPS = 40
+#: Cells of a table that open, and rows that all their panels list together.
+_MOST_OPEN, _MOST_BABBLED = 300, 400
 #: Nor more cells than a browser shows at once, some 2 MB of page.
 _MOST_CELLS = 12_000
 
@@ -62,6 +65,7 @@ def heat_table(shown: ProbabilityTable) -> Html:
     values = shown.probability.to_numpy()
     behind = _behind(shown)
     kept = _rows_to_show(values)
+    opened = _opened(shown, behind, kept)
     labels, columns = _states(shown), list(shown.probability.columns)
     top = max(float(values.max()), 1e-300)
     group = _group(shown)
@@ -69,20 +73,48 @@ def heat_table(shown: ProbabilityTable) -> Html:
     empty = _empty(values, behind) if len(values) > _FEW_BINS else np.zeros(len(values), dtype=bool)
     for i in kept:
         cells = [
-            _cell(shown, (true_minus(labels[i]), columns[j]), values[i, j], [a[i, j] for a in behind], top, group)
+            _cell(
+                shown, (true_minus(labels[i]), columns[j]), values[i, j], [a[i, j] for a in behind], top, group,
+                f"{group}-{i}-{j}" if (i, j) in opened else None,
+            )
             for j in range(len(columns))
-        ]
+        ]  # fmt: skip
         rows.append(row(true_minus(labels[i]), cells, class_="bh-none" if empty[i] else None))
     shown_too = [("show counts", "bh-switch"), ("show intervals", "bh-limits")][: len(behind) // 2]
     switches = [tag("label", tag("input", type="checkbox"), text, class_=name) for text, name in shown_too]
     left_out = len(labels) - len(kept)
     note = tag("div", f"{left_out} bins are not shown.", class_="bh-note") if left_out else None
     behind_it = ("probability", "count", "count and interval")[len(behind) // 2]
-    hint = f"Point at a cell for its {behind_it}; a click keeps it, Tab and the arrow keys go from cell to cell."
+    more = ", another opens its rows" if opened else ""
+    hint = f"Point at a cell for its {behind_it}; a click keeps it{more}. Tab and the arrow keys go from cell to cell."
     heat = table([shown.variable, *columns], rows, class_="bh-heat")
     strips = _strips(values, columns) if len(values) > _FEW_BINS else None
     body = tag("div", heat, class_="bh-readout", data_hint=hint)
-    return tag("div", strips, *switches, body, note, class_="bh-table")
+    below = [cell_panel(cell, shown.title, f"{group}-{i}-{j}", _most(opened)) for (i, j), cell in opened.items()]
+    return tag("div", strips, *switches, body, note, *below, class_="bh-table")
+
+
+def _opened(shown: ProbabilityTable, behind: list[np.ndarray], kept: list[int]) -> dict[tuple[int, int], CellTrace]:
+    """The cells that open, by row and column: those shown that rows fell into, of very many the fullest."""
+    if shown.model is None or not behind:
+        return {}
+    count, total = behind[:2]
+    seen = sorted((-int(count[i, j]), i, j) for i in kept for j in np.flatnonzero(count[i]).tolist())[:_MOST_OPEN]
+    variable, names = shown.variable.removesuffix(" residual"), shown.model.gaits.names
+    found = {}
+    for _, i, j in seen:
+        at = i if variable == "Gait" else j
+        within = (float(behind[2][i, j]), float(behind[3][i, j])) if behind[2:] else None
+        found[i, j] = CellTrace(
+            shown.model, variable, str(shown.probability.index[i]), names[at],
+            float(shown.probability.iat[i, j]), int(count[i, j]), int(total[i, j]), within,
+        )  # fmt: skip
+    return found
+
+
+def _most(opened: Sized) -> int:
+    """Rows that each panel lists: few where there are many panels."""
+    return max(3, min(12, _MOST_BABBLED // max(len(opened), 1)))
 
 
 def _empty(values: np.ndarray, behind: list[np.ndarray]) -> np.ndarray:
@@ -129,11 +161,14 @@ def _group(shown: ProbabilityTable) -> str:
     return f"bh-{hashlib.sha256(content).hexdigest()[:10]}"
 
 
-def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float, group: str) -> Html:
+def _cell(
+    shown: ProbabilityTable, place: tuple[str, str], p: float, behind: list[Any], top: float, group: str,
+    opens: str | None,
+) -> Html:  # fmt: skip
     """A cell with what stands behind it. One that holds something is a choice among its table's.
 
     So the keyboard reaches the table at one stop, its arrow keys go from cell to cell, and a click keeps the words:
-    all without a script.
+    all without a script. One that opens has a button over it, at its edge until the cell is picked.
     """
     given = f"{shown.variable} = {place[0]}" if shown.variable != "Gait" else str(place[0])
     known = "".join(f", {variable} = {state}" for variable, state in shown.known.items())
@@ -151,6 +186,9 @@ def _cell(shown: ProbabilityTable, place: tuple[str, str], p: float, behind: lis
     zero = "bh-zero" if p == 0 else None
     if p > 0 or (behind and behind[0] > 0):
         content = [tag("label", tag("input", type="radio", name=group, aria_label=hint), *content)]
+    if opens is not None:
+        button = tag("button", "›", type="button", popovertarget=opens, aria_label=f"Rows of P({given}{column})")
+        content = [tag("div", *content, button, class_="bh-cell")]
     return tag("td", *content, title=hint, class_=zero, style=f"--p:{shade:.2f}" if shade >= 0.005 else None)
 
 
@@ -160,63 +198,3 @@ def _rows_to_show(values: np.ndarray) -> list[int]:
     if len(values) <= most:
         return list(range(len(values)))
     return sorted(np.argsort(-values.max(axis=1), kind="stable")[:most].tolist())
-
-
-def prey_model(prey: PreyModel) -> Sheet:
-    """Return the prey table: each transition seen, how often, and where it leads."""
-    title = "Prey model: P(Distance, Angle, Heading)"
-    subtitle = f"{prey.observations} transitions, in the prey's own frame one time-step earlier"
-    if prey.is_empty:
-        return Sheet(title, subtitle, (), [Note("Nothing observed yet, so nothing can be predicted.")])
-    cells = prey_table(prey)
-    return Sheet(
-        title, subtitle, expected(prey), [Drawn(lambda: prey_map(prey), cells, beside=True), Printed(cells.lines)]
-    )
-
-
-def expected(prey: PreyModel) -> list[tuple[str, str]]:
-    """Return the mean transition in words; nothing if the headings seen leave no mean."""
-    try:
-        mean = prey.predict(1)
-    except NothingObservedError:
-        return []
-    return [
-        ("expected next distance", length(mean.distance)),
-        ("expected angle", f"{degrees(mean.angle, 1)} clockwise"),
-        ("expected heading", f"{degrees(mean.heading, 1)} clockwise"),
-    ]
-
-
-def prey_table(prey: PreyModel) -> Table:
-    """Return the cells seen, the most frequent first."""
-    frame = prey.cpt().sort_values("count", ascending=False, kind="stable")
-    columns = (frame[name].tolist() for name in ("probability", "count", "low", "high"))
-    rows = [
-        [*map(label, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
-        for bins, p, n, low, high in list(zip(frame.index, *columns, strict=True))[:MOST_ROWS]
-    ]
-    rest = len(frame) - len(rows)
-    more = f"and {rest} rarer cells" if rest else ""
-    return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more)
-
-
-def _count(number: float) -> str:
-    """A count in words; an expected one to three digits."""
-    return f"{number:.0f}" if number == int(number) else f"{number:.3g}"
-
-
-def prey_map(prey: PreyModel) -> Html:
-    """Return where the prey's steps led, as arrows in its own earlier frame (heading up)."""
-    cells = np.array(prey.to_dict()["counts"])[:, :3].astype(int)
-    weights = np.array(prey.to_dict()["counts"])[:, 3]
-    axes = prey.axes
-    reach = (cells[:, 0] + 0.5) * axes.distance.width
-    angles, headings = axes.angle.centres[cells[:, 1]], axes.heading.centres[cells[:, 2]]
-    right, ahead = reach * np.sin(angles), reach * np.cos(angles)
-    window = maps.Window.around([0.0, *right], [0.0, *ahead], size=240, least=float(reach.max()))
-    parts = [window.robot(0, 0, math.pi / 2, svg.FAINT, "the prey one time-step earlier", 9)]
-    for i in np.argsort(weights, kind="stable")[-400:]:
-        size = 4 + 8 * math.sqrt(weights[i] / weights.max())
-        hint = f"{_count(weights[i])} of {prey.observations} transitions"
-        parts.append(window.robot(right[i], ahead[i], math.pi / 2 - headings[i], svg.PREY, hint, size))
-    return svg.drawing(window.width, window.height, *parts, window.ruler(), label="Where the prey's steps led")

@@ -26,6 +26,7 @@ def trace(opened: Trace) -> Sheet:
             cell["state"] if cell["variable"] == "Gait" else label(cell["state"]),
             f"{cell['probability']:.4g}",
             "unknown" if pd.isna(cell["count"]) else int(cell["count"]),
+            "" if pd.isna(cell["low"]) else grounds.cell_within(cell["low"], cell["high"]),
         ]
         for cell in opened.cells.to_dict("records")
     ]
@@ -35,7 +36,7 @@ def trace(opened: Trace) -> Sheet:
         [("formula", opened.formula)],
         [
             Table(["Gait", *factors.columns], rows, lit, most=len(rows)),
-            Table(["table of", "state", "probability", "rows"], cells, words=frozenset({0, 1})),
+            Table(["table of", "state", "probability", "rows", "95 % interval"], cells, words=frozenset({0, 1})),
             Note(
                 "trace.rows(variable) gives the babbled rows behind a cell; model.without(rows) the model without them."
             ),
@@ -53,7 +54,9 @@ def cell(opened: CellTrace) -> Sheet:
         left = len(rows) - len(lines)
         shown = Table(columns, lines, left_out=f"and {left} more" if left > 0 else "")
     formula = opened.formula.replace(f"= {opened.state}", f"= {label(opened.state)}", 1)
-    return Sheet(f"Trace of a cell of P({opened.variable})", "", [("formula", formula)], [shown, note])
+    pairs = [("formula", formula)]
+    pairs += [] if opened.within is None else [("95 % interval", grounds.cell_within(*opened.within))]
+    return Sheet(f"Trace of a cell of P({opened.variable})", "", pairs, [shown, note])
 
 
 def plan(opened: PlanTrace) -> Sheet:
