@@ -53,16 +53,14 @@ def rests_on(answer: Posterior, *, within: bool = True) -> Rests:
     return Rests(variables, states, factors, found, np.stack(counts).astype(int), low, high)
 
 
-_NUMBERS = ("within", "factors", "counts", "low", "high")
-
-
 def with_answers(frame: pd.DataFrame, plans: Sequence[Plan]) -> pd.DataFrame:
     """Return an episode's table with ``answer_*``, lists of what :class:`Rests` has, row after row; as it is where no
     plan carries an answer."""
     if not any(plan.answer is not None for plan in plans):
         return frame
     found = [None if plan.answer is None else rests_on(plan.answer) for plan in plans]
-    return frame.assign(**{f"answer_{name}": [_column(rests, name) for rests in found] for name in Rests._fields})
+    columns: dict[str, Any] = {f"answer_{name}": [_column(rests, name) for rests in found] for name in Rests._fields}
+    return frame.assign(**columns)
 
 
 def _column(rests: Rests | None, name: str) -> list[Any] | None:
@@ -74,10 +72,14 @@ def stored(row: Mapping[str, Any]) -> Rests | None:
     """Return what a row of the table keeps of its answer; None if it keeps nothing."""
     if row.get("answer_variables") is None:
         return None
-    names = [[str(name) for name in row[f"answer_{part}"]] for part in ("variables", "states")]
-    gaits = len(row["answer_factors"]) // len(names[0])
-    arrays = {
-        part: None if (kept := row[f"answer_{part}"]) is None else np.reshape(np.asarray(kept), (-1, gaits))
-        for part in _NUMBERS
-    }
-    return Rests(*names, **arrays)
+    variables, states = ([str(name) for name in row[f"answer_{part}"]] for part in ("variables", "states"))
+    gaits = len(row["answer_factors"]) // len(variables)
+
+    def kept(part: str) -> np.ndarray | None:
+        values = row[f"answer_{part}"]
+        return None if values is None else np.asarray(values).reshape(-1, gaits)
+
+    return Rests(
+        variables, states, np.asarray(row["answer_factors"]).reshape(-1, gaits),
+        *(kept(part) for part in ("within", "counts", "low", "high")),
+    )  # fmt: skip

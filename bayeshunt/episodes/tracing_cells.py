@@ -80,7 +80,8 @@ def trace_cell(model: ForwardModel, cell: Any) -> CellTrace:
     probability = float(model.cpt(variable).to_numpy()[row, column])
     at = row if variable == "Gait" else column
     low, high = (float(end[at]) for end in cell_interval(model, variable, row))
-    return CellTrace(model, variable, state, gait, probability, *known, None if np.isnan(low) else (low, high))
+    within = None if np.isnan(low) else (low, high)
+    return CellTrace(model, variable, state, gait, probability, known[0], known[1], within)
 
 
 def cell_interval(model: ForwardModel, variable: str, row: int = 0) -> np.ndarray:

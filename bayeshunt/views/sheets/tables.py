@@ -101,13 +101,13 @@ def _opened(shown: ProbabilityTable, behind: list[np.ndarray], kept: list[int]) 
     count, total = behind[:2]
     seen = sorted((-int(count[i, j]), i, j) for i in kept for j in np.flatnonzero(count[i]).tolist())[:_MOST_OPEN]
     variable, names = shown.variable.removesuffix(" residual"), shown.model.gaits.names
-    found = {}
+    values, states, found = shown.probability.to_numpy(), list(shown.probability.index), {}
     for _, i, j in seen:
         at = i if variable == "Gait" else j
         within = (float(behind[2][i, j]), float(behind[3][i, j])) if behind[2:] else None
         found[i, j] = CellTrace(
-            shown.model, variable, str(shown.probability.index[i]), names[at],
-            float(shown.probability.iat[i, j]), int(count[i, j]), int(total[i, j]), within,
+            shown.model, variable, str(states[i]), names[at],
+            float(values[i, j]), int(count[i, j]), int(total[i, j]), within,
         )  # fmt: skip
     return found
 
