@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import accumulate
 
 import numpy as np
 
@@ -26,17 +25,19 @@ def actuator_factors(
     # x' = a x + sqrt(1 - a^2) sd n: the exact discretisation of the process
     a = math.exp(-interval / settings.drift_time)
     scale = settings.drift_sd * math.sqrt(1.0 - a * a)
-    last = (rng.standard_normal(actuators) * settings.drift_sd).tolist()
+    drifts = (rng.standard_normal(actuators) * settings.drift_sd).tolist()
     while True:
-        slip = 1.0 + rng.uniform(-settings.slip, settings.slip, (actuators, _BLOCK))
+        slips = (1.0 + rng.uniform(-settings.slip, settings.slip, (actuators, _BLOCK))).tolist()
         kicks = (scale * rng.standard_normal((actuators, _BLOCK))).tolist()
-        drift = [
-            list(accumulate(own, lambda x, kick: a * x + kick, initial=start))[1:]
-            for own, start in zip(kicks, last, strict=True)
-        ]
-        last = [own[-1] for own in drift]
-        factors = slip * (1.0 + np.array(drift))
-        yield from zip(*factors.tolist(), strict=True)
+        factors = []
+        for number, drift in enumerate(drifts):
+            own: list[float] = []
+            for slip, kick in zip(slips[number], kicks[number], strict=True):
+                drift = a * drift + kick
+                own.append(slip * (1.0 + drift))
+            factors.append(own)
+            drifts[number] = drift
+        yield from zip(*factors, strict=True)
 
 
 def gaussians(rng: np.random.Generator, block: int = 512) -> Iterator[float]:

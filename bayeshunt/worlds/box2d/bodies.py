@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from math import cos, hypot, sin
+from math import cos, hypot, nan, sin
 from operator import mul
 from typing import Any
 
@@ -50,7 +50,7 @@ class Drive:
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_traction", "_velocity", "angle",
+        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_send", "_traction", "_velocity", "angle",
         "body", "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed",
         "state", "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
@@ -71,6 +71,7 @@ class Drive:
         self.energy, self.falls, self.placed = 0.0, 0, False
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body
+        self._send = self._velocity.Set  # writes both in one call
         self.angle = partial(type(self.body).angle.fget, self.body)  # reads it without looking the property up
         self._scale = 1.0 / self.unit
         self._limits = tuple(self.limits(parts.physics.step))
@@ -137,9 +138,9 @@ class Drive:
         """Set the body's velocity for the next physics step."""
         if self.moving:
             self._track()
-        angle = self.angle()
+        angle, speed = self.angle(), self.speed
         c, s = cos(angle), sin(angle)
-        vx, vy = self.speed * c, self.speed * s
+        vx, vy = speed * c, speed * s
         if self.slide:
             vx, vy = vx - self.slide * s, vy + self.slide * c
         dx, dy = vx - self.vx, vy - self.vy
@@ -147,16 +148,15 @@ class Drive:
             # the tyres carry only so much: |change of velocity| <= traction limit x step
             share = self._traction / hypot(dx, dy)
             vx, vy = self.vx + share * dx, self.vy + share * dy
-        velocity = self._velocity
-        velocity.x = self.vx = vx
-        velocity.y = self.vy = vy
+        self._send(vx, vy)
+        self.vx, self.vy = vx, vy
         if self.turn != self._angular_sent:
             self.body.angularVelocity = self._angular_sent = self.turn
 
     def read_back(self) -> None:
         """Take over the velocity that a contact has left the body with."""
         self.vx, self.vy = self._velocity.x, self._velocity.y
-        self._angular_sent = self.body.angularVelocity
+        self._angular_sent = nan  # whatever it is now, it is sent anew
 
     @property
     def position(self) -> Any:

@@ -32,6 +32,8 @@ __all__ = ["Box2DWorld", "build_obstacles", "build_walls", "new_world"]
 
 #: Box2D units between two surfaces beyond which Box2D does not look for a contact: far more than a step's way.
 _MARGIN = 4.0
+#: Box2D units by which two bodies come nearer in a step at most: it moves none by more than 2.
+_WAY = 4.0
 #: A prey: its place in the order of the bodies, what takes its wheel speeds, what gives them.
 _Steered = tuple[int, Callable[[tuple[float, ...]], None], Callable[..., tuple[float, float]]]
 
@@ -75,7 +77,7 @@ class Box2DWorld:
             self._body(name).command(gait)
         self._aim(until)
         trail = Trail(self.bodies, self.unit, self.physics.step)
-        if self._reached():
+        if self._gap() <= self._near:
             return Run(trail, until and until.whom)
         self._begin_interval_if_placed()
         steered = [(n, body.drive, mind.act) for n, body, mind in self._prey if body.name not in gaits]
@@ -132,6 +134,7 @@ class Box2DWorld:
         self._drives = tuple(self.bodies.values())
         self._moves = tuple(drive.advance for drive in self._drives)
         self._begins = tuple(drive.next_interval for drive in self._drives)
+        self._reads = tuple(drive.read_back for drive in self._drives)
         self._live = [(drive.position, drive.angle) for drive in self._drives]
         self._hunter = list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
         return body
@@ -147,26 +150,28 @@ class Box2DWorld:
         return self.bodies[name]
 
     def _aim(self, until: Reach | None) -> None:
-        """Keep whose distance is looked at in every physics step; of nobody, one that is never short enough."""
+        """Keep whose distance is looked at; of nobody, one that is never short enough."""
         if until is self._until:  # the same in every run of a hunt
             return
         self._until = until
         if until is None:
-            first = self._drives[0].position
-            self._pair, self._near, self._apart = (first, first), -1.0, inf
-            return
-        self._pair = self._body(until.who).position, self._body(until.whom).position
-        self._near = (until.distance / self.unit) ** 2
+            self._pair, reach, self._near = (0, 0), 0.0, -1.0
+        else:
+            drives = self._drives
+            self._pair = drives.index(self._body(until.who)), drives.index(self._body(until.whom))
+            reach = until.distance / self.unit
+            self._near = reach**2
         # Two bodies in the open can touch nothing but each other, and that only when they are near.
-        arena = self.scene.arena
-        pair = len(self._drives) == 2 and not arena.walled and not arena.obstacles
-        lengths = sum(body.length for body in self._drives) / self.unit
-        self._apart = (0.5 * lengths + _MARGIN) ** 2 if pair else inf
+        arena, way = self.scene.arena, _WAY * (self.physics.control_steps - 1)
+        pair = until is not None and len(self._drives) == 2 and not arena.walled and not arena.obstacles
+        touch = 0.5 * sum(body.length for body in self._drives) / self.unit + _MARGIN if pair else inf
+        self._within = (reach + way) ** 2, touch**2, (touch + way) ** 2
 
-    def _reached(self) -> bool:
-        one, other = self._pair
+    def _gap(self) -> float:
+        """The square of the pair's distance [Box2D units]."""
+        one, other = (self._drives[number].position for number in self._pair)
         dx, dy = one.x - other.x, one.y - other.y
-        return bool(dx * dx + dy * dy <= self._near)
+        return float(dx * dx + dy * dy)
 
     def _begin_interval_if_placed(self) -> None:
         for body in self._drives:
@@ -177,39 +182,54 @@ class Box2DWorld:
         """Take ``remaining`` physics steps, fewer if there is a catch; return whether there was one.
 
         At the start of each control interval there is new noise, and every prey that steers itself decides. One loop
-        without calls of its own: it is where the time of all hunts goes.
+        without calls of its own: it is where the time of all hunts goes. Where the bodies are is read once an
+        interval; within it, only while the pair is so near that it may meet before the end.
         """
-        (one, other), near, far, world = self._pair, self._near, self._apart, self.world
+        (who, whom), near, (catch, touch, soon), world = self._pair, self._near, self._within, self.world
         live, begins, moves, step, note = self._live, self._begins, self._moves, self._step, trail.note
+        (one, _), (other, _), reads = live[who], live[whom], self._reads
         control, unit, hunter = self.physics.control_steps, self.unit, self._hunter
-        begun = steps = self._steps
-        phase, end, caught = self._phase, begun + remaining, False
-        while steps < end and not caught:
+        steps, phase, end = self._steps, self._phase, self._steps + remaining
+        places = [(at.x, at.y, angle()) for at, angle in live]
+        gap = self._gap()
+        while True:
             if not phase:
-                places = []
-                for at, angle in live:
-                    places.append((at.x, at.y, angle()))
-                if steps > begun:
-                    note((steps, places))
                 for begin in begins:
                     begin()
                 for number, steer, act in steered:
                     (own_x, own_y, theta), (x, y, _) = places[number], places[hunter]
                     steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
-            for move in moves:
-                move()
-            step()
-            steps += 1
-            phase = phase + 1 if phase + 1 < control else 0
-            dx, dy = one.x - other.x, one.y - other.y
+            left = min(control - phase, end - steps)
+            may_catch, may_touch = gap < catch, gap < soon
+            phase, steps = (phase + left) % control, steps + left
+            while True:
+                for move in moves:
+                    move()
+                step()
+                left -= 1
+                if not left:
+                    break
+                if may_touch and world.contactCount:
+                    for read_back in reads:
+                        read_back()
+                if may_catch:
+                    dx, dy = one.x - other.x, one.y - other.y
+                    if dx * dx + dy * dy <= near:
+                        break
+            places = []
+            for at, angle in live:
+                places.append((at.x, at.y, angle()))
+            dx, dy = places[who][0] - places[whom][0], places[who][1] - places[whom][1]
             gap = dx * dx + dy * dy
-            if gap < far and world.contactCount:
-                for body in self._drives:
-                    body.read_back()
-            caught = gap <= near
+            if gap < touch and world.contactCount:
+                for read_back in reads:
+                    read_back()
+            steps, phase = steps - left, (phase - left) % control
+            note((steps, places))
+            if gap <= near or steps == end:
+                break
         self._steps, self._phase = steps, phase
-        note((steps, [(at.x, at.y, angle()) for at, angle in live]))
-        return caught
+        return gap <= near
 
 
 def new_world() -> Any:

@@ -131,9 +131,19 @@ def proximity(
         solids = [solid for solid in solids if hypot(solid.x - x, solid.y - y) <= reach + solid.reach]
     if walls is None and disc is None and not solids:
         return None
+    half_width, half_height = (inf, inf) if walls is None else walls
     values = []
-    for ox, oy, dx, dy in rays(x, y, theta):
-        nearest = distance_to_walls(ox, oy, dx, dy, *walls) if walls is not None else inf
+    for distance, mount, direction in _MOUNTS:
+        # rays() and distance_to_walls(), written out: it is done eight times in every control interval at a wall
+        bearing, towards = theta + mount, theta + direction
+        ox, oy = x + distance * cos(bearing), y + distance * sin(bearing)
+        dx, dy = cos(towards), sin(towards)
+        nearest = (half_width - ox) / dx if dx > 0 else (-half_width - ox) / dx if dx < 0 else inf
+        along_y = (half_height - oy) / dy if dy > 0 else (-half_height - oy) / dy if dy < 0 else inf
+        if along_y < nearest:
+            nearest = along_y
+        if nearest < 0.0:
+            nearest = 0.0
         if disc is not None:
             nearest = min(nearest, distance_to_disc(ox, oy, dx, dy, *disc))
         for solid in solids:
