@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import parallel_to_aec, wrappers
 
+from bayeshunt.config.schema import PreySettings
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -24,7 +25,7 @@ from bayeshunt.envs.gym import HuntEnv
 from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.planners.policy import encode
 
-__all__ = ["HuntParallelEnv", "env", "parallel_env", "raw_env"]
+__all__ = ["HuntParallelEnv", "env", "parallel_env", "prey_gaits", "raw_env"]
 
 HUNTER, PREY = "hunter_0", "prey_0"
 #: What the prey can do at its free speed: its turn in units of ``prey.turn_rate``, counter-clockwise.
@@ -60,12 +61,7 @@ class HuntParallelEnv(ParallelEnv, EzPickle):  # type: ignore[misc]  # PettingZo
         self.metadata = {**self.metadata, "render_fps": self._hunt.metadata["render_fps"]}
         self.render_mode, self.max_cycles = render_mode, max_cycles
         settings = self._hunt.settings
-        turn, axle = settings.prey.turn_rate, settings.prey.body.axle
-        differences = [0.5 * share * turn * axle for _, share in TURNS]
-        self._gaits = [
-            Gait(name, (settings.prey.speed - part, settings.prey.speed + part))
-            for (name, _), part in zip(TURNS, differences, strict=True)
-        ]
+        self._gaits = prey_gaits(settings.prey)
         self._unit = 10.0 * settings.robot.gaits.need("body_length")
         self.possible_agents = [HUNTER, PREY]
         self.agents: list[str] = []
@@ -154,6 +150,14 @@ class HuntParallelEnv(ParallelEnv, EzPickle):  # type: ignore[misc]  # PettingZo
     def _left(self) -> float:
         assert self._hunt.pursuit is not None
         return 1.0 - self._hunt.pursuit.time / self._hunt.settings.protocol.time_limit
+
+
+def prey_gaits(prey: PreySettings) -> list[Gait]:
+    """Return what a prey can do, in the order of :data:`TURNS`: wheel speeds [m/s]."""
+    differences = [0.5 * share * prey.turn_rate * prey.body.axle for _, share in TURNS]
+    return [
+        Gait(name, (prey.speed - part, prey.speed + part)) for (name, _), part in zip(TURNS, differences, strict=True)
+    ]
 
 
 def parallel_env(**settings: Any) -> HuntParallelEnv:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Any, cast
+from collections.abc import Sequence
+from typing import Any, cast, overload
 
 import numpy as np
 
@@ -22,10 +23,40 @@ from bayeshunt.core.task import Task
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners.api import Future, Situation
 
-__all__ = ["Perceiver"]
+__all__ = ["Approaches", "Perceiver"]
 
 #: The hunter in its own frame.
 _OWN = Polar(0.0, 0.0, 0.0)
+
+
+class Approaches(Sequence[Polar]):
+    """Where the hunter was, as the prey had it, when each transition began: worked out when somebody asks.
+
+    sightings: where the hunter then saw the prey.
+    """
+
+    def __init__(self, sightings: tuple[Polar, ...] = ()) -> None:
+        self.sightings = sightings
+
+    def __len__(self) -> int:
+        return len(self.sightings)
+
+    @overload
+    def __getitem__(self, index: int) -> Polar: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Polar, ...]: ...
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return tuple(map(_OWN.seen_from, self.sightings[index]))
+        return _OWN.seen_from(self.sightings[index])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and tuple(self) == tuple(other)
+
+    __hash__ = None  # type: ignore[assignment]  # compares with lists
+
+    def __repr__(self) -> str:
+        return repr(tuple(self))
 
 
 class Perceiver:
@@ -46,10 +77,14 @@ class Perceiver:
         _check_time_step(prey_model, gaits)
         self.gaits, self.task, self.prey_model, self.camera = gaits, task, prey_model, camera
         self.map = map
+        self._always = {  # what every situation holds
+            "prey_model": prey_model, "body_length": gaits.body_length, "time_step": gaits.duration, "task": task,
+            "camera": camera, "map": map,
+        }  # fmt: skip
         self._tracker, self._belief_rng = tracker, rng
         self._origin: Pose | None = None  # of the odometry, in the caller's frame
         self._passed = 0.0
-        self._approaches: tuple[Polar, ...] = ()
+        self._approaches = Approaches()
         self.belief: Belief | None = None
         self.situation: Situation | None = None
         self.previous: str | None = None
@@ -77,13 +112,11 @@ class Perceiver:
         self._believe(observation)
         assert self.belief is not None
         self.observation = observation
-        self.situation = Situation(
-            prey=observation.pose.relative(self.belief.mean), prey_model=self.prey_model,
-            body_length=self.gaits.body_length, time=observation.time, step=self.steps,
-            previous_gait=self.previous, time_step=self.gaits.duration,
-            transitions=self.belief.transitions, pose=observation.pose, future=future, task=self.task,
-            belief=self.belief, camera=self.camera, map=self.map, approaches=self._approaches,
-        )  # fmt: skip
+        self.situation = Situation.of({
+            **self._always, "prey": observation.pose.relative(self.belief.mean), "time": observation.time,
+            "step": self.steps, "previous_gait": self.previous, "transitions": self.belief.transitions,
+            "pose": observation.pose, "future": future, "belief": self.belief, "approaches": self._approaches,
+        })  # fmt: skip
         return self.situation
 
     def execute(self, gait: str) -> None:
@@ -139,7 +172,7 @@ class Perceiver:
         gained = self.belief.transitions[len(before.transitions) :]
         if gained:
             assert self.situation is not None
-            self._approaches += (_OWN.seen_from(self.situation.prey),) * len(gained)
+            self._approaches = Approaches((*self._approaches.sightings, *(self.situation.prey,) * len(gained)))
         self.skipped += not self._learn(gained)
 
     def _learn(self, transitions: tuple[Polar, ...]) -> bool:

@@ -28,6 +28,7 @@ from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GIVE_MEASURES
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.task import Task
+from bayeshunt.core.trusted import trusted
 from bayeshunt.planners.info import FUTURE, PlannerInfo
 
 if TYPE_CHECKING:
@@ -125,8 +126,13 @@ class Situation:
     models: object | None = None
     map: object | None = None
     camera: object | None = None
-    approaches: tuple[Polar, ...] = ()
+    approaches: Sequence[Polar] = ()
     interval: float | None = None
+
+    @classmethod
+    def of(cls, parts: dict[str, Any]) -> Situation:
+        """Return that of a hunt in progress: of its fields, all but ``prey`` are known to be right."""
+        return trusted(cls, parts) if _in_range(parts["prey"]) else cls(**parts)
 
     def __post_init__(self) -> None:
         if not _in_range(self.prey):

@@ -76,19 +76,20 @@ def encode(
     sure: mean resultant length of the heading seen.
     """
     unit = _UNIT * gaits.need("body_length")
+    told = [0.0] * (1 + len(gaits))
+    if before is not None:
+        told[before] = 1.0
     numbers = [
         seen.forward / unit, seen.right / unit, seen.distance / unit, *_direction(seen.angle),
         *(sure * part for part in _direction(seen.heading)),
         *([0.0] * 5 if moved is None else [1.0, moved.forward / unit, moved.right / unit, *_direction(moved.heading)]),
         *([0.0] * 4 if own is None else [own.x / unit, own.y / unit, *_direction(own.theta)]),
-        left,
+        left, *told,
     ]  # fmt: skip
-    values = np.zeros(len(numbers) + 1 + len(gaits), dtype=np.float32)
-    values[: len(numbers)] = numbers
-    if before is not None:
-        values[len(numbers) + before] = 1.0
     low, high = _bounds(len(gaits))
-    return np.minimum(np.maximum(values, low), high)
+    values = np.array(numbers, dtype=np.float32)
+    np.maximum(values, low, out=values)
+    return np.minimum(values, high, out=values)
 
 
 class PolicyPlanner(Shown):

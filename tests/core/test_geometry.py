@@ -104,3 +104,11 @@ def test_a_pose_is_shown_in_plain_numbers():
     assert repr(Polar(np.float64(0.19), 0.5, None)) == "Polar(distance=0.19, angle=0.5, heading=None)"
     assert repr(Pose(np.float32(0.5), 1, np.float64(-0.25))) == "Pose(x=0.5, y=1, theta=-0.25)"
     assert "array(" in repr(Polar(np.zeros(2), 0.0, 0.0))
+
+
+@given(*[st.floats(allow_nan=True, allow_infinity=True)] * 2)
+def test_a_distance_is_that_of_numpy_to_the_last_bit(dx, dy):
+    with np.errstate(over="ignore"):
+        seen, expected = Pose(0.0, 0.0, 0.0).relative(Pose(dx, dy, 0.0)), np.hypot(dx, dy)
+    assert type(seen.distance) is np.float64
+    np.testing.assert_array_equal(seen.distance, expected)

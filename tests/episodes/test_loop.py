@@ -1,6 +1,7 @@
 """The hunt: one seed, one episode; what the record says is what happened."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -142,6 +143,13 @@ def test_a_recorded_situation_is_what_was_known_then(planners):
     assert [s.prey_model.observations for s in episode.situations] == list(range(len(episode.frame)))
     for situation, plan in zip(episode.situations, episode.plans, strict=True):
         assert same_plan(planner.plan(situation, rng=np.random.default_rng(0)), plan)
+
+
+def test_the_situations_of_a_hunt_are_those_that_the_constructor_checks(planners):
+    for situation in hunt("paper", planners["prediction"], theta=1.0, seed=0).situations:
+        assert replace(situation) == situation
+        assert len(situation.approaches) == len(situation.transitions)
+        assert situation.approaches[1:] == tuple(situation.approaches)[1:]
 
 
 def test_prior_knowledge_of_the_prey_is_copied(planners):

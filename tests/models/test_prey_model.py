@@ -122,6 +122,20 @@ def test_prediction_composes(poses: list[Polar], first: int, then: int) -> None:
     assert (path.distance[0], path.angle[0], path.heading[0]) == (0.0, 0.0, 0.0)
 
 
+@given(transitions)
+def test_when_somebody_looks_changes_no_bit(poses: list[Polar]) -> None:
+    """What is observed is counted when it is asked for: after each transition, or after all of them."""
+    looked = PreyModel()
+    for number, pose in enumerate(poses, 1):
+        looked.observe(pose)
+        assert looked.observations == number
+        assert sum(row[-1] for row in looked.cells()) == number
+    model = seen(*poses)
+    twin = model.copy()
+    assert model.predict(3) == looked.predict(3) == twin.predict(3)
+    assert model == looked == twin
+
+
 def test_sampled_paths_follow_the_counts() -> None:
     straight, turn = Polar(0.16, 0.0, 0.0), Polar(0.05, 0.3, 1.0)
     model = seen(straight, straight, straight, turn)

@@ -50,9 +50,10 @@ class PreyModel(displays.Displayed, StoredPrey):
             check_kind(axes, "axes", EffectAxes, "EffectAxes, for example EffectAxes.standard(body_length)")
         self.axes = axes if axes is not None else EffectAxes.standard(BODY_LENGTH)
         self.conditions = conditions
-        self._counts: dict[tuple[int, int, int], int] = {}  # 2**-10
-        self._sums = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
-        self._observations = 0  # 2**-10
+        self._cells: dict[tuple[int, int, int], int] = {}  # 2**-10
+        self._moments = (0, 0, 0, 0)  # forward, right, cos(heading), sin(heading) of cell centres, 2**-60
+        self._observations = 0  # 2**-10, with those of _waiting
+        self._waiting: list[tuple[float, float, float]] = []  # observed, and counted when somebody asks
         self._followed: tuple[Polar, ...] = ()  # what the present prey did, for a model with conditions
         self._shares = False  # whether a copy of this model has the same conditions, which then must not change
 
@@ -64,7 +65,8 @@ class PreyModel(displays.Displayed, StoredPrey):
         Raises InputError unless distance [m] >= 0 and all three numbers are finite.
         """
         try:
-            distance, angle, heading = (float(part) for part in transition)
+            distance, angle, heading = transition
+            distance, angle, heading = float(distance), float(angle), float(heading)
         except (TypeError, ValueError):
             raise InputError(f"prey transition: expected a Polar of three numbers, got {transition!r}") from None
         if not (0.0 <= distance < math.inf and math.isfinite(angle) and math.isfinite(heading)):
@@ -72,10 +74,10 @@ class PreyModel(displays.Displayed, StoredPrey):
         if not (-FULL_TURN <= angle <= FULL_TURN and -FULL_TURN <= heading <= FULL_TURN):
             check_radians(angle, "prey transition: angle")
             check_radians(heading, "prey transition: heading")
-        axes = self.axes
-        if not distance < MAX_DISTANCE_BINS * axes.distance.width:
+        if not distance < MAX_DISTANCE_BINS * self.axes.distance.width:
             raise InputError(f"prey transition of {distance} m: the distance grid does not reach that far")
-        self._add((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), PART)
+        self._waiting.append((distance, angle, heading))
+        self._observations += PART
         if self.conditions is not None:
             self._followed = (*self._followed, Polar(distance, angle, heading))[-MOST_FOLLOWED:]
 
@@ -187,7 +189,7 @@ class PreyModel(displays.Displayed, StoredPrey):
     def copy(self) -> PreyModel:
         """Return an independent model with the same counts."""
         twin = PreyModel(self.axes)
-        twin._counts, twin._sums, twin._observations = dict(self._counts), self._sums, self._observations
+        twin._cells, twin._moments, twin._observations = dict(self._counts), self._sums, self._observations
         twin.conditions, twin._followed = self.conditions, self._followed
         self._shares = twin._shares = self.conditions is not None
         return twin
@@ -292,16 +294,40 @@ class PreyModel(displays.Displayed, StoredPrey):
 
     # --- inside -------------------------------------------------------------------------------
 
+    @property
+    def _counts(self) -> dict[tuple[int, int, int], int]:
+        """By cell [2**-10], all that was observed."""
+        if self._waiting:
+            self._count_waiting()
+        return self._cells
+
+    @property
+    def _sums(self) -> tuple[int, int, int, int]:
+        """Of forward, right, cos(heading), sin(heading) of the cells' centres [2**-60]."""
+        if self._waiting:
+            self._count_waiting()
+        return self._moments
+
+    def _count_waiting(self) -> None:
+        """Count what was observed since somebody last asked: a hunt that a policy decides asks never."""
+        axes, waiting = self.axes, self._waiting
+        self._waiting = []
+        for distance, angle, heading in waiting:
+            self._count((axes.distance.index(distance), axes.angle.index(angle), axes.heading.index(heading)), PART)
+
     def _add(self, cell: tuple[int, int, int], count: int) -> None:
-        """Count ``count`` parts of 2**-10."""
-        self._counts[cell] = self._counts.get(cell, 0) + count
+        """Take over ``count`` parts of 2**-10 of a cell."""
         self._observations += count
+        self._count(cell, count)
+
+    def _count(self, cell: tuple[int, int, int], count: int) -> None:
+        self._cells[cell] = self._cells.get(cell, 0) + count
         distance = (cell[0] + 0.5) * self.axes.distance.width
         angle = self.axes.angle.centres[cell[1]]
         heading = self.axes.heading.centres[cell[2]]
         parts = (distance * math.cos(angle), distance * math.sin(angle), math.cos(heading), math.sin(heading))
-        one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._sums, parts, strict=True))
-        self._sums = (one, two, three, four)
+        one, two, three, four = (s + count * round(p * _UNIT) for s, p in zip(self._moments, parts, strict=True))
+        self._moments = (one, two, three, four)
 
     def _own_conditions(self) -> Conditions:
         """The conditions, made this model's own before they change."""

@@ -25,7 +25,11 @@ class StoredPrey(ABC):
 
     axes: EffectAxes
     conditions: Conditions | None
-    _counts: dict[tuple[int, int, int], int]
+
+    @property
+    @abstractmethod
+    def _counts(self) -> dict[tuple[int, int, int], int]:
+        """How often each cell was seen [2**-10]."""
 
     @abstractmethod
     def __init__(self, axes: EffectAxes | None = None) -> None:

@@ -13,6 +13,7 @@ from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import FloatArray, Polar, Pose
 from bayeshunt.core.messages import Observation
 from bayeshunt.core.protocols import Belief
+from bayeshunt.core.trusted import trusted
 from bayeshunt.perception.setting import PerceptionContext
 from bayeshunt.perception.trackers.common import TOLERANCE
 
@@ -93,12 +94,15 @@ class ExactTracker:
         """Return the prey where it was seen, and its transition if that is one step's; or else where it should be."""
         assert isinstance(belief, ExactBelief)  # of start or update
         passed = observation.time - belief.time
-        if observation.detection is None:
+        detection = observation.detection
+        if detection is None:
             return self._unseen(belief, observation.time, passed)
-        place, resultant = self._headed(belief, observation.detection.placed(observation.pose))
+        place, resultant = self._headed(belief, detection.placed(observation.pose))
         known = belief.last_seen == 0.0 and min(belief.resultant, resultant) > _GUESSED and self._one_step(passed)
         transitions = (*belief.transitions, belief.mean.relative(place)) if known else belief.transitions
-        return ExactBelief(observation.time, place, resultant, 0.0, transitions)
+        return trusted(ExactBelief, {
+            "time": observation.time, "mean": place, "resultant": resultant, "transitions": transitions,
+        })  # fmt: skip
 
     def _headed(self, belief: ExactBelief, place: Pose) -> tuple[Pose, float]:
         """A place with its heading and how sure that is: where none was seen, the way from the last sighting."""

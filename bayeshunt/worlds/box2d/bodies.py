@@ -50,9 +50,9 @@ class Drive:
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_send", "_traction", "_velocity", "angle",
-        "body", "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide", "speed",
-        "state", "target", "turn", "unit", "vx", "vy",
+        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_send", "_traction", "_velocity",
+        "angle", "body", "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide",
+        "speed", "state", "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
 
     def __init__(self, parts: Parts) -> None:

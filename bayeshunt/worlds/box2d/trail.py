@@ -45,8 +45,7 @@ class Trail(Sequence[Moment]):
     def _moment(self, row: tuple[int, list[Place]]) -> Moment:
         steps, places = row
         unit = self._unit
-        poses = {
-            name: Pose(x * unit, y * unit, wrap(float(angle)))
-            for name, (x, y, angle) in zip(self._names, places, strict=True)
-        }
+        poses = {}
+        for name, (x, y, angle) in zip(self._names, places, strict=True):
+            poses[name] = Pose(x * unit, y * unit, wrap(angle))
         return Moment(steps * self._step, poses)

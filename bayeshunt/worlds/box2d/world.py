@@ -229,7 +229,7 @@ class Box2DWorld:
             if gap <= near or steps == end:
                 break
         self._steps, self._phase = steps, phase
-        return gap <= near
+        return bool(gap <= near)
 
 
 def new_world() -> Any:
