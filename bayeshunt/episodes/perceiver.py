@@ -105,6 +105,8 @@ class Perceiver:
 
         Raises InputError for a pose that is not of finite numbers or a time that does not go on.
         """
+        if future is not None:
+            check_kind(future, "future", Future, "a Future, or None")
         return self.consider(self._observe(own_pose, seen, self._clock(time)), future)
 
     def consider(self, observation: Observation, future: Future | None = None) -> Situation:
