@@ -1,8 +1,8 @@
 """What legs change: the tables of ``docs/legs.md``.
 
-``python -m benchmarks.legs SECTION ... [--runs 30] [--keep FOLDER]``, with sections
+``python -m benchmarks.legs [SECTION ...] [--seeds 0 1 2]``, with sections
 
-- ``main``: the preset's own rows, in the open and (at most 15 runs) among walls;
+- ``main``: the preset's own rows, in the open (at least 700 hunts) and among walls;
 - ``weighing``: planners that weigh costs against ``planning`` that may not change its gait in a plan;
 - ``transitions``: changes allowed in a plan and the price of one, with both structures;
 - ``counter``: the quadruped of other patterns, and what its loss is due to;
@@ -10,21 +10,20 @@
 - ``belief``: ``belief`` against ``intercept``;
 - ``shares``: learned coordinates at which the best gait is not certain;
 - ``gains``: what the gait before tells, held out, by rows, back-off and bins; two gaits before;
+- ``puppy``: Puppy's babbling and its hunts (extra ``mujoco``);
 - ``physics``: processor time of legs, and what the physics step changes.
 
-Each prints a markdown table. Hunts are paired by the seeds they share (exact sign test over those that only one of two
-caught; mean differences with Student's 95 % interval); ``--keep`` keeps them, to make a table again at once.
+Each prints a markdown table, and puts it into ``benchmarks/results/legs.md``. Hunts are paired by the seeds they share
+(exact sign test over those that only one of two caught; mean differences with Student's 95 % interval). Each hunt is
+made once and kept in ``legs.csv`` beside it, so that the command goes on where it was stopped; ``--out`` keeps them
+elsewhere. About 40 minutes of processor time in all.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
-import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -33,66 +32,20 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from bayeshunt.config.loading import load_experiment, load_robot
-from bayeshunt.experiments.protocol import learn_model
-from bayeshunt.experiments.run.runner import evaluate
+from bayeshunt.config.loading import load_robot
 from bayeshunt.experiments.scores import mean_interval, wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.views.figures.sweep import sweep_figure
 from bayeshunt.worlds.babbling import babble
 from benchmarks import legs_physics, legs_tables
+from benchmarks.legs_hunts import Hunts, Row
 
 BOTH = ("naive", "previous_gait")
-
-
-@dataclass(frozen=True)
-class Row:
-    """A planner of preset ``legs``. given: settings of the experiment that are changed."""
-
-    planner: str
-    structure: str = "previous_gait"
-    given: dict[str, Any] = field(default_factory=dict)
-    arena: str = "open"
-
-    @property
-    def label(self) -> str:
-        """The planner and what was changed."""
-        changed = [f"{key.removeprefix('planner.planning.')} {value}" for key, value in self.given.items()]
-        where = [] if self.arena == "open" else [self.arena]
-        return ", ".join([self.planner, self.structure, *changed, *where])
-
-
-@cache
-def _model(settings: str, seed: int) -> ForwardModel:
-    return learn_model(load_experiment("legs", json.loads(settings)), seed)
-
-
-class Hunts:
-    """Hunts of rows, each made once. keep: a folder where they stay; None: nowhere."""
-
-    def __init__(self, runs: int, seed: int, keep: Path | None) -> None:
-        self.runs, self.seed, self.keep = runs, seed, keep
-        self._made: dict[str, pd.DataFrame] = {}
-
-    def of(self, row: Row, runs: int | None = None) -> pd.DataFrame:
-        """Return a row's hunts, indexed by bearing and run."""
-        over = {"model.structure": row.structure, "protocol.runs": runs or self.runs, **row.given}
-        name = json.dumps([row.planner, row.arena, self.seed, over], sort_keys=True)
-        place = None if self.keep is None else self.keep / f"{hashlib.sha256(name.encode()).hexdigest()[:16]}.parquet"
-        if name not in self._made and place is not None and place.is_file():
-            self._made[name] = pd.read_parquet(place)
-        if name not in self._made:
-            learned = {k: v for k, v in over.items() if k.startswith(("model.", "robot"))}
-            frame = evaluate(
-                load_experiment("legs", over), seed=self.seed, jobs=1, planners=[row.planner], arenas=[row.arena],
-                model=_model(json.dumps(learned, sort_keys=True), self.seed),
-            )  # fmt: skip
-            self._made[name] = frame.set_index(["theta", "run"])
-            if place is not None:
-                place.parent.mkdir(parents=True, exist_ok=True)
-                self._made[name].to_parquet(place)
-        return self._made[name]
+RESULTS = Path(__file__).parent / "results"
+#: Hunts of each bearing and seed: seven bearings and three seeds make 714, 210 and 105.
+MANY, SOME, FEW = 34, 10, 5
+PUPPY = {"robot": "puppy", "model.babbling_steps": 2000}
 
 
 def caught(hunts: pd.DataFrame) -> str:
@@ -140,18 +93,18 @@ def transitions(hunts: Hunts) -> Iterator[str]:
         for structure in BOTH for changes in (0, 1, 2) for price in (0.0, 1.0, 3.0)
     ]  # fmt: skip
     rows += [Row(planner, given={"cost.energy": 1.0}) for planner in ("planning", "intercept")]
-    yield _against_base(hunts, rows)
+    yield _against_base(hunts, rows, SOME)
 
 
 def weighing(hunts: Hunts) -> Iterator[str]:
     """Yield planners that weigh costs."""
-    yield _against_base(hunts, [_BASE, Row("frugal"), Row("intercept")])
+    yield _against_base(hunts, [_BASE, Row("frugal"), Row("intercept")], MANY)
 
 
-def _against_base(hunts: Hunts, rows: Sequence[Row]) -> str:
-    base = hunts.of(_BASE)
+def _against_base(hunts: Hunts, rows: Sequence[Row], runs: int) -> str:
+    base = hunts.of(_BASE, runs)
     heads = ["row", "caught", "time", "energy", "changes", "only this / only naive, 0, p", "time", "energy"]
-    return table(heads, ([r.label, caught(f := hunts.of(r)), *means(f), *paired(f, base)] for r in rows))
+    return table(heads, ([r.label, caught(f := hunts.of(r, runs)), *means(f), *paired(f, base)] for r in rows))
 
 
 def _priced(price: float) -> dict[str, float]:
@@ -167,28 +120,34 @@ def main_rows(hunts: Hunts) -> Iterator[str]:
         ("walled", "planning"),
         ("walled", "intercept"),
     ):
-        runs = hunts.runs if arena == "open" else min(hunts.runs, 15)
+        runs = MANY if arena == "open" else SOME
         naive, known = (hunts.of(Row(planner, structure, arena=arena), runs) for structure in BOTH)
-        lines.append([f"{planner}, {arena}", caught(naive), caught(known), *paired(known, naive)])
+        cells = [", ".join([caught(row), *means(row)[:2]]) for row in (naive, known)]
+        lines.append([f"{planner}, {arena}", *cells, *paired(known, naive)])
     yield table(["", "naive", "previous_gait", "only previous / only naive, p", "time", "energy"], lines)
+
+
+_MIXED = "benchmarks/quadruped_mixed.toml"
 
 
 def counter(hunts: Hunts) -> Iterator[str]:
     """Yield the quadruped that bounds straight on, trots in curves and walks on the spot."""
-    robot = str(Path(__file__).parent / "quadruped_mixed.toml")
     changed: list[tuple[str, dict[str, Any]]] = [
         ("as it is", {}),
+        ("64 samples", {"planner.planning.samples": 64}),
+        ("at most 3 gaits ahead", {"planner.planning.depth": 3}),
+        ("one gait ahead", {"planner.planning.depth": 1}),
         ("no change in a plan", {"planner.planning.max_transitions": 0}),
         ("two changes in a plan", {"planner.planning.max_transitions": 2}),
-        ("at most 3 gaits ahead", {"planner.planning.depth": 3}),
-        ("64 samples", {"planner.planning.samples": 64}),
     ]
     lines = []
     for arena in ("open", "walled"):
-        for name, given in changed if arena == "open" else changed[:2]:
-            rows = [hunts.of(Row("planning", s, {"robot": robot, **given}, arena)) for s in BOTH]
-            lines.append([f"{name}, {arena}", *map(caught, rows), paired(rows[1], rows[0])[0]])
-    yield table(["planning", "naive", "previous_gait", "only previous / only naive, p"], lines)
+        for name, given in changed if arena == "open" else (changed[0], changed[4]):
+            naive, known = (hunts.of(Row("planning", s, {"robot": _MIXED, **given}, arena), FEW) for s in BOTH)
+            lines.append([f"{name}, {arena}", *map(caught, (naive, known)), paired(known, naive)[0],
+                          *(means(row)[2] for row in (naive, known))])  # fmt: skip
+    heads = ["planning", "naive", "previous_gait", "only previous / only naive, p"]
+    yield table([*heads, "changes, naive", "changes, previous_gait"], lines)
 
 
 _DEPTHS, _SECONDS = (1, 2, 4, 6, 10), (0.0, 0.005, 0.02)
@@ -196,7 +155,7 @@ _DEPTHS, _SECONDS = (1, 2, 4, 6, 10), (0.0, 0.005, 0.02)
 
 def _thought(hunts: Hunts, depth: int, seconds: float) -> pd.DataFrame:
     slow = {"protocol.thinking": "nodes", "protocol.seconds_per_node": seconds} if seconds else {}
-    return hunts.of(Row("planning", given={"planner.planning.depth": depth, **slow}))
+    return hunts.of(Row("planning", given={"planner.planning.depth": depth, **slow}), SOME)
 
 
 def thinking(hunts: Hunts) -> Iterator[str]:
@@ -231,9 +190,11 @@ def thinking_frame(hunts: Hunts) -> pd.DataFrame:
 def belief(hunts: Hunts) -> Iterator[str]:
     """Yield ``belief`` against ``intercept``."""
     lines = []
-    for robot in ("hexapod_mixed", "hexapod", "quadruped"):
-        given = {} if robot == "hexapod_mixed" else {"robot": robot}
-        one, two = (hunts.of(Row(planner, given=given)) for planner in ("belief", "intercept"))
+    bodies: dict[str, dict[str, Any]] = {
+        "hexapod_mixed": {}, "hexapod": {"robot": "hexapod"}, "quadruped": {"robot": "quadruped"}, "puppy": PUPPY,
+    }  # fmt: skip
+    for robot, given in bodies.items():
+        one, two = (hunts.of(Row(planner, given=given), SOME) for planner in ("belief", "intercept"))
         lines.append([robot, caught(one), caught(two), *paired(one, two)])
     yield table(["robot", "belief", "intercept", "only belief / only intercept, p", "time", "energy"], lines)
 
@@ -243,7 +204,7 @@ def shares(hunts: Hunts) -> Iterator[str]:
     lines = []
     for name in ("khepera", "hexapod", "hexapod_mixed", "quadruped", "puppy"):
         robot = load_robot(name)
-        frame = babble(robot, 2000, seed=hunts.seed)
+        frame = babble(robot, 2000, seed=hunts.seeds[0])
         for prior, structure in ((0.0, "naive"), (0.03, "naive"), (0.03, "previous_gait")):
             backoff = 5.0 if structure == "previous_gait" else None
             model = ForwardModel.fit(frame, robot.gaits, prior, structure=structure, backoff=backoff)
@@ -256,34 +217,64 @@ def shares(hunts: Hunts) -> Iterator[str]:
 
 def gains(hunts: Hunts) -> Iterator[str]:
     """Yield held-out gains."""
-    yield from legs_tables.report(hunts.seed, table)
+    yield from legs_tables.report(table)
+
+
+def puppy(hunts: Hunts) -> Iterator[str]:
+    """Yield Puppy's babbling, and its hunts."""
+    lines = []
+    for seed in hunts.seeds:
+        started = time.process_time()
+        falls = int(babble("puppy", 2000, seed)["falls"].sum())
+        lines.append([str(seed), f"{time.process_time() - started:.1f} s", f"{falls} = {falls / 20:.2f} %"])
+    yield table(["2,000 gaits, seed", "processor time", "falls"], lines)
+    found = [(s, hunts.of(Row("intercept", s, PUPPY), MANY if s != "naive" else SOME)) for s in BOTH]
+    yield table(
+        ["intercept", "caught", "time", "energy", "changes", "falls a hunt"],
+        ([s, caught(row), *means(row), f"{row['falls'].mean():.2f}"] for s, row in found),
+    )
 
 
 def physics(hunts: Hunts) -> Iterator[str]:
     """Yield processor times and what the step changes."""
-    yield from legs_physics.report(hunts.seed, table)
+    yield from legs_physics.report(hunts.seeds[0], table)
 
 
 SECTIONS: dict[str, Callable[[Hunts], Iterator[str]]] = {
     "main": main_rows, "weighing": weighing, "transitions": transitions, "counter": counter, "thinking": thinking,
-    "belief": belief, "shares": shares, "gains": gains, "physics": physics,
+    "belief": belief, "puppy": puppy, "gains": gains, "shares": shares, "physics": physics,
 }  # fmt: skip
+
+
+def _kept(path: Path) -> dict[str, str]:
+    """The sections that a page of results has."""
+    parts = path.read_text().split("\n## ")[1:] if path.is_file() else []
+    return {name: text.strip() for name, text in (part.split("\n", 1) for part in parts)}
+
+
+def publish(path: Path, name: str, text: str) -> None:
+    """Put a section into the page of results, in place of what it had there."""
+    found = _kept(path) | {name: text}
+    sections = [f"## {one}\n\n{found[one]}\n" for one in SECTIONS if one in found]
+    head = "# Legs\n\nMade by `python -m benchmarks.legs`; [docs/legs.md](../../docs/legs.md) says what it means.\n"
+    path.write_text("\n".join([head, *sections]))
 
 
 def main() -> None:
     """Print the tables asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", choices=[*SECTIONS, []], metavar="SECTION")
-    parser.add_argument("--runs", type=int, default=30, help="hunts of each of the seven bearings")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the hunts there")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2], help="of the babbling and of the hunts")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", default=RESULTS, help="where hunts and tables are kept")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="draw success over depth, of section thinking")
     options = parser.parse_args()
-    hunts = Hunts(options.runs, options.seed, options.keep)
+    hunts = Hunts(options.seeds, options.out / "legs.csv")
     for name in options.sections or SECTIONS:
-        started = time.process_time()
+        started, texts = time.process_time(), []
         for text in SECTIONS[name](hunts):
+            texts.append(text)
             print(f"\n## {name}\n\n{text}", flush=True)
+        publish(options.out / "legs.md", name, "\n\n".join(texts))
         print(f"\n{time.process_time() - started:.0f} s of processor time", flush=True)
     if options.figure is not None:
         with mpl.rc_context({"font.family": "DejaVu Sans"}):
