@@ -7,8 +7,8 @@ the trunk went, and pushes it back where it meets something.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
-from math import ceil, cos, floor, hypot, pi, sin, sqrt
+from math import ceil, cos, hypot, pi, sin, sqrt
+from types import MethodType
 from typing import Any
 
 import numpy as np
@@ -44,18 +44,19 @@ class Legs(Drive):
         "_belly",
         "_clock",
         "_count",
-        "_down",
+        "_coupling",
         "_dt",
         "_duty",
         "_fallen",
         "_feet",
         "_frame",
         "_frequency",
+        "_gain",
         "_grip",
         "_grips",
-        "_hips",
         "_lag",
         "_last",
+        "_legs",
         "_lying",
         "_mask",
         "_number",
@@ -63,6 +64,8 @@ class Legs(Drive):
         "_servos",
         "_settling",
         "_sides",
+        "_standing",
+        "_step",
         "_stroke",
         "_supports",
         "_swing",
@@ -80,26 +83,26 @@ class Legs(Drive):
         self._count = max(1, ceil(parts.physics.step / settings.step - 1e-9))
         self._dt = parts.physics.step / self._count
         self._number = len(legs.x)
-        self._hips = [
-            (partial(_getter(hip, "angle" if frame.revolute else "translation"), hip),
-             partial(type(hip).motorSpeed.fset, hip))
-            for hip in frame.hips
-        ]  # fmt: skip
-        self._servos = [
-            (partial(_effort(hip, frame.revolute), hip, 1.0 / self._dt), partial(_getter(hip, "speed"), hip))
-            for hip in frame.hips
+        turns, effort = ("angle", "GetMotorTorque") if frame.revolute else ("translation", "GetMotorForce")
+        kind = type(frame.hips[0])
+        self._legs = [
+            (i, 1 << i, _bound(getattr(kind, turns).fget, hip), _bound(kind.motorSpeed.fset, hip))
+            for i, hip in enumerate(frame.hips)
         ]
-        self._feet = [partial(type(foot).maxForce.fset, foot) for foot in frame.feet]
+        self._servos = [(_bound(getattr(kind, effort), hip), _bound(kind.speed.fget, hip)) for hip in frame.hips]
+        self._step = _bound(type(frame.world).Step, frame.world)
+        self._feet = [_bound(type(foot).maxForce.fset, foot) for foot in frame.feet]
         # a revolute leg of the left goes forwards as it turns clockwise
         self._sides = [-1.0 if frame.revolute and y > 0 else 1.0 for y in legs.y]
         self._supports = supports(frame.places)
+        self._coupling, self._gain = legs.coupling, legs.gain
         self._weight = frame.mass * _GRAVITY / self.unit  # kg unit/s2
         spread = legs.friction_spread if parts.noise.slip or parts.noise.drift_sd else 0.0
         self._grips = _grips(legs.friction, spread, parts.rng)
         self._grip = [legs.friction] * self._number
         self._phase, self._lag = [0.0] * self._number, [0.0] * self._number
         self._last, self._stroke, self._swing = ([0.0] * self._number for _ in range(3))
-        self._down = [True] * self._number
+        self._standing = 0  # bit i: foot i is down
         self._tilt = (0.0, 0.0, 0.0)
         self._settling = min(1.0, self._dt / legs.tilt_time)
         self._clock = self._belly = self._frequency = 0.0
@@ -126,12 +129,14 @@ class Legs(Drive):
         self._lag = list(values[_BEFORE_PHASES:])
         legs, revolute = self.settings.legs, self._frame.revolute
         strokes = values[2:4] if revolute else [self._frame.reach * sin(stroke) for stroke in values[2:4]]
-        self._swing = [strokes[0] if y > 0 else strokes[1] for y in legs.y]
+        # signed as the hip turns, here and wherever a leg is
+        sides = zip(self._sides, legs.y, strict=True)
+        self._swing = [side * (strokes[0] if y > 0 else strokes[1]) for side, y in sides]
         # a foot that is down sweeps by the new stroke at once; only the phase carries over
         self._stroke = [stroke * factor for stroke, factor in zip(self._swing, self.factors, strict=True)]
         if first:  # from rest it starts in step
             self._phase = [-lag % 1.0 for lag in self._lag]
-            self._down = [phase < self._duty for phase in self._phase]
+            self._standing = sum(1 << i for i, phase in enumerate(self._phase) if phase < self._duty)
             self._last = list(self._swing)
 
     def next_interval(self) -> None:
@@ -142,10 +147,10 @@ class Legs(Drive):
         """Walk for one physics step, and set the disc's velocity so that it ends where the trunk is."""
         trunk = self._frame.trunk
         if self.gait:
-            step = self._frame.world.Step
+            walk, step, dt = self._walk, self._step, self._dt
             for _ in range(self._count):
-                self._walk()
-                step(self._dt, 6, 2)
+                walk()
+                step(dt, 6, 2)
                 self._unmeasured += 1
                 if self._unmeasured == _SAMPLED:
                     self._measure()
@@ -155,34 +160,46 @@ class Legs(Drive):
         self.body.angularVelocity = (trunk.angle - self.body.angle) * rate
 
     def _walk(self) -> None:
-        """Move every servo's target by one step of the legs' own, and load the feet that are down."""
+        """Move every servo's target by one step of the legs' own, and load the feet that are down.
+
+        The hot loop of legs: a wrap is a comparison, and what is the same for all legs is read once.
+        """
         frame, dt, duty, frequency = self._frame, self._dt, self._duty, self._frequency
-        coupling, gain, most = self.settings.legs.coupling, self.settings.legs.gain, frame.max_rate
-        clock = self._clock = (self._clock + frequency * dt) % 1.0
-        phases, down, strokes, mask, share = self._phase, self._down, self._stroke, 0, pi / (1.0 - duty)
-        legs = zip(self._hips, self._sides, self._lag, phases, down, strokes, strict=True)
-        for i, ((angle, drive), side, lag, phase, standing, stroke) in enumerate(legs):
+        coupling, gain, most = self._coupling, self._gain, frame.max_rate
+        clock = self._clock + frequency * dt
+        if clock >= 1.0:
+            clock %= 1.0
+        self._clock = clock
+        phases, strokes, standing, mask, share = self._phase, self._stroke, self._standing, 0, pi / (1.0 - duty)
+        for (i, bit, angle, drive), lag, phase, stroke in zip(self._legs, self._lag, phases, strokes, strict=True):
             gap = clock - lag - phase
-            rate = frequency + coupling * (gap - floor(gap + 0.5))
+            half = gap + 0.5
+            if half >= 1.0:
+                gap -= 1.0
+            elif half < 0.0:
+                gap += 1.0 if half >= -1.0 else 2.0
+            rate = frequency + coupling * gap
             if rate < 0.0:
                 rate = 0.0  # a leg waits, it does not walk backwards
-            phase = phases[i] = (phase + rate * dt) % 1.0
+            phase += rate * dt
+            if phase >= 1.0:
+                phase %= 1.0
+            phases[i] = phase
             if phase < duty:
-                if not standing:
-                    down[i] = True
+                if not standing & bit:
                     self._grip[i] = next(self._grips)
-                mask |= 1 << i
-                ahead = stroke - 2.0 * stroke * phase / duty
-                speed = side * (gain * ahead - 2.0 * stroke * rate / duty) - gain * angle()
+                mask |= bit
+                full = 2.0 * stroke
+                speed = gain * (stroke - full * phase / duty) - full * rate / duty - gain * angle()
             else:
-                if standing:  # the next step begins: how far it goes has noise
-                    down[i] = False
+                if standing & bit:  # the next step begins: how far it goes has noise
                     self._last[i] = stroke
                     stroke = strokes[i] = self._swing[i] * self.factors[i]
                 last = self._last[i]
                 ahead = stroke - last - (stroke + last) * cos((phase - duty) * share)
-                speed = gain * (0.5 * side * ahead - angle())
+                speed = gain * (0.5 * ahead - angle())
             drive(most if speed > most else -most if speed < -most else speed)
+        self._standing = mask
         self._bear(mask)
 
     def _bear(self, mask: int) -> None:
@@ -210,9 +227,9 @@ class Legs(Drive):
 
     def _measure(self) -> None:
         """Add the work of the servos in the last few steps [J]: their power now stands for all of them."""
-        power = 0.0
+        power, rate = 0.0, 1.0 / self._dt
         for effort, speed in self._servos:
-            one = effort() * speed()
+            one = effort(rate) * speed()
             if one > 0.0:
                 power += one
         self.energy += power * self._unmeasured * self._dt * self.unit * self.unit
@@ -236,20 +253,18 @@ class Legs(Drive):
             raise InputError(f"{self.name}: a body on legs cannot go on as a {type(other).__name__}")
         self.body.transform = (tuple(other.body.position), other.body.angle)
         self._frame.copy_state(other._frame)
-        for name in ("_phase", "_lag", "_last", "_stroke", "_swing", "_down", "_grip"):
+        for name in ("_phase", "_lag", "_last", "_stroke", "_swing", "_grip"):
             setattr(self, name, list(getattr(other, name)))
         for name in (
-            "_clock", "_tilt", "_belly", "_frequency", "_duty", "_mask", "_lying", "_unmeasured", "gait", "factors",
+            "_clock", "_tilt", "_belly", "_frequency", "_duty", "_mask", "_standing", "_lying", "_unmeasured", "gait",
+            "factors",
         ):  # fmt: skip
             setattr(self, name, getattr(other, name))
 
 
-def _getter(joint: Any, name: str) -> Any:
-    return getattr(type(joint), name).fget
-
-
-def _effort(joint: Any, revolute: bool) -> Any:
-    return type(joint).GetMotorTorque if revolute else type(joint).GetMotorForce
+def _bound(method: Any, thing: Any) -> Any:
+    """A method of a Box2D object as a call that does not look up the object behind its proxy: keep the proxy."""
+    return MethodType(getattr(method, "__func__", method), thing.this)
 
 
 def _grips(friction: float, spread: float, rng: np.random.Generator) -> Iterator[float]:
