@@ -10,7 +10,7 @@ import typer
 
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed
+from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff
 from bayeshunt.cli.outputs import out_figure, out_file, out_folder
 from bayeshunt.core.errors import InputError
 
@@ -26,6 +26,13 @@ def assess(
     prior: Annotated[float, typer.Option(help="Dirichlet pseudo-count per cell of every table fitted.")] = 0.03,
     structure: Annotated[
         list[str] | None, typer.Option(help="Compare with this structure; may be given several times. Default: all.")
+    ] = None,
+    backoff: Annotated[
+        float | None,
+        typer.Option(
+            help="Of previous_gait: rows that a gait's own table is worth after each gait; 0: the prior alone.",
+            show_default="the model's, or 5",
+        ),
     ] = None,
     permutations: Annotated[int, typer.Option(help="Shuffles of each independence test.")] = 999,
     distance_bin: Annotated[float | None, typer.Option(help="Distance bin [body lengths] " + _BINS.format(0.1))] = None,
@@ -74,6 +81,7 @@ def assess(
         result = run(
             frame, known, model=forward, folds=folds, seed=seed, prior=prior, axes=axes,
             structures=structure or None, permutations=permutations,
+            backoff=asked_backoff(backoff),
         )  # fmt: skip
     if out is not None:
         from bayeshunt.views.figures.assessment import reliability

@@ -12,7 +12,7 @@ import typer
 
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, complete_robot, complete_structure, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, complete_robot, complete_structure, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import InputError
@@ -74,7 +74,7 @@ def fit(
     prior: Annotated[
         float | None,
         typer.Option(
-            help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.", show_default="0; with --backoff 0.03"
+            help="Dirichlet pseudo-count per cell; 0 is maximum likelihood.", show_default="0; with back-off 0.03"
         ),
     ] = None,
     xmlbif: Annotated[
@@ -91,7 +91,10 @@ def fit(
     ] = "naive",
     backoff: Annotated[
         float | None,
-        typer.Option(help="Of previous_gait: rows that a gait's own table is worth after each gait, e.g. 5."),
+        typer.Option(
+            help="Of previous_gait: rows that a gait's own table is worth after each gait; 0: the prior alone.",
+            show_default="5 for previous_gait",
+        ),
     ] = None,
     residual_of: Annotated[
         str | None,
@@ -142,7 +145,7 @@ def fit(
     )
     rows = sum(table.rows for table in tables)
     edges = Structure.read(structure) if "->" in structure else structure
-    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": edges, "backoff": backoff}
+    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": edges, "backoff": asked_backoff(backoff)}
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
         nodes = [name.strip() for name in effects.split(",") if name.strip()]
         if residual_of is not None or auto_bins or nodes != [*EFFECTS]:  # the rows choose the motion and the bins first
@@ -160,7 +163,7 @@ def fit(
         "out": str(out), "rows": counts.total, "prior": model.prior, "log_likelihood": model.log_likelihood(counts),
         "bins": {axis.name: axis.bins for axis in model.axes.all},
         "structure": model.structure.name, "edges": [list(edge) for edge in model.structure.edges],
-        "residual_of": residual_of,
+        "backoff": model.backoff, "residual_of": residual_of,
     }  # fmt: skip
     bins = ", ".join(f"{axis.name} {axis.bins}" for axis in model.axes.all)
     counted = f"{counts.total} rows" + ("" if counts.total == rows else f" of {rows} (the others had no gait before)")

@@ -14,6 +14,11 @@ import typer
 from bayeshunt.core.errors import InputError, did_you_mean
 
 
+def asked_backoff(rows: float | None) -> Any:
+    """Return what ``--backoff`` says as the models take it: nothing is their default, 0 is none."""
+    return "auto" if rows is None else rows or None
+
+
 def complete_planner(incomplete: str) -> list[str]:
     """Return the planners that a word on the command line may become."""
     from bayeshunt.planners.registry import planner_names

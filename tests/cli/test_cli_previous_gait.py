@@ -79,7 +79,20 @@ def test_export_and_assess_take_it(bayeshunt, fitted):
     assert (fitted.parent / "csv" / "angle.csv").read_text().startswith("previous_gait,gait,bin,low,high,probability")
     arguments = ("--model", "model.json", "--structure", "previous_gait", "--permutations", "9")
     out, _ = bayeshunt("assess", "babbling.parquet", *arguments)
-    assert "The model given (previous_gait, prior 0)" in " ".join(out.split())
+    assert "The model given (previous_gait, prior 0.03)" in (said := " ".join(out.split()))
+    assert "each leaning on the gait's own table as on 5 rows" in said
+
+
+def test_back_off_is_the_default_and_can_be_left_out(bayeshunt, fitted):
+    line = ("fit", "babbling.parquet", "--structure", "previous_gait", "--out", "plain.json", "--json")
+    assert json.loads(bayeshunt(*line)[0])["backoff"] == 5.0
+    facts = json.loads(bayeshunt(*line, "--backoff", "0", "--prior", "0.03")[0])
+    assert (facts["backoff"], bh.ForwardModel.load(fitted.parent / "plain.json").backoff) == (None, None)
+    line = ("assess", "babbling.parquet", "--structure", "previous_gait", "--permutations", "9", "--json")
+    lean, plain = (json.loads(bayeshunt(*line, *more)[0]) for more in ((), ("--backoff", "0")))
+    assert (lean["settings"]["backoff"], plain["settings"]["backoff"]) == (5.0, None)
+    gains = [{row["structure"]: row["gain"] for row in a["structures"]}["previous_gait"] for a in (lean, plain)]
+    assert gains[0] > 0.0 > gains[1]
 
 
 def test_a_table_without_the_gait_before_is_refused_in_one_line(bayeshunt, folder):

@@ -37,7 +37,9 @@ def momentum(rows: int, seed: int, *, gaits: tuple[str, ...] = GAITS, starts: in
 
 
 def fit(frame: pd.DataFrame, prior: float = 0.0, gait_prior: str = "uniform") -> bh.ForwardModel:
-    model = bh.ForwardModel.fit(frame, GAITS, prior, axes=AXES, gait_prior=gait_prior, structure="previous_gait")
+    model = bh.ForwardModel.fit(
+        frame, GAITS, prior, axes=AXES, gait_prior=gait_prior, structure="previous_gait", backoff=None
+    )
     assert model.structure.name == "previous_gait"
     return model
 

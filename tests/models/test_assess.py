@@ -82,10 +82,40 @@ def small() -> bh.Assessment:
     )
 
 
+@pytest.fixture(scope="module")
+def plain() -> bh.Assessment:
+    """Without back-off."""
+    return bh.assess(
+        SMALL, GAITS, folds=FOLDS, seed=SEED, prior=ALPHA, axes=AXES, structures=["previous_gait"], permutations=1,
+        backoff=None,
+    )  # fmt: skip
+
+
+def leaning_probability(train: list[dict], row: dict, effect: str, rows: float) -> float:
+    """(N + s P(effect | Gait)) / (N_pair + s), by counting dictionaries."""
+    same = [r for r in train if all(r[p] == row[p] for p in ("Gait", "PreviousGait"))]
+    hits = sum(r[effect] == row[effect] for r in same)
+    return (hits + rows * hand_probability(train, row, effect, ("Gait",))) / (len(same) + rows)
+
+
+@pytest.mark.parametrize("backoff", [None, 5.0])
 @pytest.mark.parametrize("structure", [NAIVE, JOINT, PREVIOUS_GAIT], ids=lambda s: s.name)
-def test_held_out_log_loss_by_hand(small: bh.Assessment, structure: Structure) -> None:
+def test_held_out_log_loss_by_hand(
+    small: bh.Assessment, plain: bh.Assessment, structure: Structure, backoff: float | None
+) -> None:
+    leans = backoff is not None and structure is PREVIOUS_GAIT
+    if structure is PREVIOUS_GAIT and not leans:
+        small = plain
+    assert small.settings["backoff"] == (None if small is plain else 5.0)
     losses = [
-        -sum(math.log(hand_probability(train, row, e, structure.parents(e))) for e in EFFECTS)
+        -sum(
+            math.log(
+                leaning_probability(train, row, e, backoff or 0.0)
+                if leans
+                else hand_probability(train, row, e, structure.parents(e))
+            )
+            for e in EFFECTS
+        )
         for train, row in hand_splits()
     ]
     naive = [

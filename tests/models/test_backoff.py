@@ -117,8 +117,8 @@ def test_held_out_it_beats_both_structures() -> None:
     score = {}
     for name, settings in {
         "naive": {"prior": 0.03},
-        "previous": {"prior": 0.03, "structure": "previous_gait"},
-        "backoff": {"structure": "previous_gait", "backoff": 5.0},
+        "previous": {"prior": 0.03, "structure": "previous_gait", "backoff": None},
+        "backoff": {"structure": "previous_gait"},
     }.items():
         model = bh.ForwardModel.fit(train, car.gaits, axes=grid, **settings)
         score[name] = model.log_likelihood(test) / len(test)

@@ -83,7 +83,7 @@ def test_any_split_counts_alike(size: int) -> None:
     """The gait before stands in the row itself, so that no border between parts loses it."""
     frame = momentum(150, 2, starts=2)
     whole = fit(frame, 0.1)
-    parts = bh.ForwardModel.empty(GAITS, 0.1, axes=AXES, structure="previous_gait")
+    parts = bh.ForwardModel.empty(GAITS, 0.1, axes=AXES, structure="previous_gait", backoff=None)
     for start in reversed(range(0, len(frame), size)):
         parts = parts.update(frame[start : start + size])
     assert parts == whole
@@ -113,7 +113,7 @@ def test_streamed_counts_fit_the_same_model(tmp_path: Path) -> None:
     gaits = bh.GaitRepertoire.of(GAITS)
     tables = open_tables([tmp_path / "1.parquet", tmp_path / "0.parquet"])
     counts, _ = count_tables(tables, gaits, axes=AXES, structure="previous_gait")
-    assert ForwardModel.from_counts(counts, structure="previous_gait") == fit(FRAME)
+    assert ForwardModel.from_counts(counts, structure="previous_gait", backoff=None) == fit(FRAME)
 
 
 # --- answers ---------------------------------------------------------------------------------------

@@ -390,7 +390,7 @@ def test_every_structure_hunts(structure: str, tmp_path: Path) -> None:
     assert one.caught
 
 
-@pytest.mark.parametrize(("structure", "status"), [("tan", 0), ("previous_gait", 2), ("tann", 2)])
+@pytest.mark.parametrize(("structure", "status"), [("tan", 0), ("previous_gait", 0), ("tann", 2)])
 def test_the_command_fits_a_structure(structure: str, status: int, tmp_path: Path, monkeypatch, capsys) -> None:
     from bayeshunt.cli import main
 

@@ -14,6 +14,7 @@ import bayeshunt as bh
 from bayeshunt.core.geometry import Polar
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.planners.interception import sampling
 from bayeshunt.planners.search.rollouts import CompiledRollouts, GaitTree, LazyRollouts, Outcomes
 
 NAMES = ("straight", "spin right", "spin left")
@@ -134,3 +135,26 @@ def test_every_kind_of_planner_hunts_with_it(name: str, tmp_path) -> None:
     one, again = (bh.hunt("paper", bh.make_planner(name, loaded), theta=3.0, seed=1) for _ in range(2))
     assert one.frame["gait"].tolist() == again.frame["gait"].tolist()
     assert one.time == again.time
+
+
+@pytest.mark.parametrize("before", [None, "spin left"])
+def test_sampled_pairs_follow_the_gait_before(model: ForwardModel, before: str | None) -> None:
+    """Both ends of a sampled pair are outcomes after the gait before each."""
+    planner = bh.make_planner("belief", model, samples=4, blocks=2, bank_seed=5)
+    uniforms = sampling._uniforms(np.arange(4) % 2, 4, 2, 5)
+    pairs = planner.samples[1].after(before)
+    for sample, one, two in itertools.product(range(4), range(3), range(3)):
+        first = Polar(*(float(part[one]) for part in model.after(before).outcomes(uniforms[1, 0, sample])))
+        then = Polar(*(float(part[two]) for part in model.after(NAMES[one]).outcomes(uniforms[1, 1, sample])))
+        assert pairs.first[:2, one, -1, sample] == pytest.approx([first.forward, first.right])
+        end = first.compose(then)
+        assert pairs.second[:2, one, two, -1, sample] == pytest.approx([end.forward, end.right])
+
+
+def test_hunters_that_aim_at_a_point_ask_what_leads_there_now(model: ForwardModel) -> None:
+    planner = bh.make_planner("pure_pursuit", model)
+    for before in (None, *NAMES):
+        trace = planner.plan(moment(before), rng=np.random.default_rng(0)).trace
+        ends = [model.after(before).predict(gait) for gait in NAMES]
+        assert trace["end_forward"].tolist() == pytest.approx([end.forward for end in ends])
+        assert trace["end_right"].tolist() == pytest.approx([end.right for end in ends])

@@ -31,15 +31,18 @@ from bayeshunt.models.assessment.structures import compare
 from bayeshunt.models.assessment.warnings import warnings
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.counting.auto_axes import chosen_axes
+from bayeshunt.models.counting.backoff import BackOff, check_strength
 from bayeshunt.models.counting.measures import check_record, measured
 from bayeshunt.models.tables.effects import check_size
 from bayeshunt.models.tables.structures import (
     NAIVE,
     PREVIOUS,
+    PREVIOUS_GAIT,
     STRUCTURES,
     Structure,
     depends_on_previous,
     find_structure,
+    strength_of,
 )
 
 #: Bins that know no body.
@@ -52,7 +55,8 @@ PRIOR = 0.03
 class Assessment(displays.Displayed):
     """How good a forward model is on a babbling table. Log-losses are natural, in nats per row.
 
-    settings: rows scored, folds, seed, prior, permutations, bins of each variable, and the structure assessed.
+    settings: rows scored, folds, seed, prior, permutations, bins of each variable, the structure assessed, and the rows
+        of back-off (None: none).
     variables: per effect, held-out log_loss and brier, both also for a forecast that ignores the gait; density, the
         log-loss per metre or radian: that of all three together, in nats per m rad2, is in ``structures``.
     reliability: per variable and bin of the forecast: count, mean forecast, share observed.
@@ -113,6 +117,7 @@ def assess(
     axes: EffectAxes | str | None = None,
     structures: Sequence[str] | None = None,
     permutations: int = 999,
+    backoff: BackOff = "auto",
 ) -> Assessment:
     """Assess the forward model that ``frame`` gives, and compare the paper's structure with others.
 
@@ -124,12 +129,15 @@ def assess(
         Coarser bins make sparse structures comparable; log-losses of different bins are not, densities are.
     structures: names, compared with "naive"; by default all that the table allows.
     permutations: shuffles of each independence test, >= 1.
+    backoff: rows > 0 that a gait's own table is worth in each after another gait; by default the model's, if it depends
+        on the gait before, else 5; None: the prior alone.
 
     ``notes`` begin with a warning where the tables foresee rows worse than ignoring the gait does, and where other bins
     would foresee them much better. A single row absurdly far out is left out and named in ``notes``, as is a structure
     whose tables would be too large. Raises DataError for a table that is not one, InputError for settings out of range.
     """
     _check(model, axes, seed, prior, permutations, structures)
+    strength = _strength(backoff, model)
     babbling_table.validate(frame)
     repertoire = _repertoire(frame, gaits, model)
     frame, of_residuals = _as_counted(frame, model)
@@ -143,9 +151,11 @@ def assess(
     for_folds, for_shuffles = np.random.SeedSequence(seed).spawn(2)
     fold = rows.folds(folds, np.random.default_rng(for_folds))
     naive = scores.held_out(rows, NAIVE, fold, prior, every_score=True)
-    comparison, found = compare(rows, others, fold, prior, naive)
+    comparison, found = compare(rows, others, fold, prior, naive, strength)
     structure = NAIVE if model is None else model.structure
-    predicted = naive if structure.is_naive else scores.held_out(rows, structure, fold, prior, every_score=True)
+    predicted = naive
+    if not structure.is_naive:
+        predicted = scores.held_out(rows, structure, fold, prior, backoff=strength, every_score=True)
     blind = scores.gait_blind(rows, fold, prior)
     variables = scores.variable_scores(rows, predicted, blind)
     gains = scores.gains_of_gait(rows, predicted, blind)
@@ -153,7 +163,7 @@ def assess(
         settings={
             "rows": len(scored), "folds": int(folds), "seed": int(seed), "prior": float(prior),
             "permutations": int(permutations), "bins": {axis.name: axis.bins for axis in rows.axes},
-            "structure": structure.name,
+            "structure": structure.name, "backoff": strength,
         },
         variables=variables,
         reliability=scores.reliability(rows, predicted),
@@ -165,6 +175,14 @@ def assess(
         given=None if model is None else _given(model, frame, rows),
         notes=(*aside, *warnings(scored, rows, variables, gains), *of_residuals, *notes),
     )  # fmt: skip
+
+
+def _strength(backoff: BackOff, model: ForwardModel | None) -> float | None:
+    """Rows of back-off of the tables after another gait: those of a model that has such tables, else the usual."""
+    if backoff == "auto" and model is not None and model.has_counts and depends_on_previous(model.structure):
+        return model.backoff
+    strength = strength_of(backoff, PREVIOUS_GAIT)
+    return None if strength is None else check_strength(strength)
 
 
 def _as_counted(frame: pd.DataFrame, model: ForwardModel | None) -> tuple[pd.DataFrame, list[str]]:

@@ -14,9 +14,10 @@ import pandas as pd
 
 from bayeshunt.core.bins import EFFECTS
 from bayeshunt.models.assessment.rows import CodedRows
-from bayeshunt.models.counting.cells import conditional
+from bayeshunt.models.counting.backoff import leaning_table
+from bayeshunt.models.counting.cells import CountedCells, conditional
 from bayeshunt.models.tables.effects import local_tables, multiply
-from bayeshunt.models.tables.structures import Structure, find_structure
+from bayeshunt.models.tables.structures import PREVIOUS, Structure, find_structure
 
 #: Equal-width bins of the forecast probability in a reliability diagram.
 RELIABILITY_BINS = 10
@@ -41,12 +42,19 @@ class HeldOut:
 
 
 def held_out(
-    rows: CodedRows, structure: str | Structure, fold: np.ndarray, prior: float, *, every_score: bool = False
+    rows: CodedRows,
+    structure: str | Structure,
+    fold: np.ndarray,
+    prior: float,
+    *,
+    backoff: float | None = None,
+    every_score: bool = False,
 ) -> HeldOut:
     """Predict each fold from the others.
 
     structure: a Structure, or a name; a name that needs a search is searched anew without each fold.
-    fold: int [N]. prior: Dirichlet pseudo-count per cell, >= 0.
+    fold: int [N]. prior: Dirichlet pseudo-count per cell, >= 0. backoff: rows that the tables without the gait before
+    are worth in those with it; None: none.
     every_score: also keep what only the scores of single variables need (N x S numbers each).
     Raises InputError if a table would be too large.
     """
@@ -59,7 +67,7 @@ def held_out(
         table = rows.count(~test)
         found = find_structure(structure, table) if isinstance(structure, str) else structure
         structures.append(found)
-        predictor = _Predictor(found, local_tables(found, table, prior), sizes)
+        predictor = _Predictor(found, _tables(found, table, prior, backoff), sizes)
         columns = {name: rows.column(name)[test] for name in rows.names}
         with np.errstate(divide="ignore"):
             log_probability[test] = np.log(predictor.probability(columns))
@@ -69,6 +77,20 @@ def held_out(
         if with_heading is not None:
             with_heading[test] = predictor.gait_posterior(columns, heading=True)
     return HeldOut(log_probability, gaits, tuple(structures), forecasts, with_heading)
+
+
+def _tables(structure: Structure, table: CountedCells, prior: float, backoff: float | None) -> dict[str, np.ndarray]:
+    """P(effect | parents) of every effect; where the gait before is a parent, leaning on those without it."""
+    tables = local_tables(structure, table, prior)
+    if backoff is None:
+        return tables
+    for effect in EFFECTS:
+        parents = structure.parents(effect)
+        if PREVIOUS in parents:
+            base = conditional(table.tabulate((effect, *(p for p in parents if p != PREVIOUS))), prior)
+            counts = table.tabulate((effect, *parents))
+            tables[effect] = leaning_table(counts, np.expand_dims(base, 1 + parents.index(PREVIOUS)), backoff)
+    return tables
 
 
 class _Predictor:

@@ -22,11 +22,12 @@ _Z = 1.959963984540054
 
 
 def compare(
-    rows: CodedRows, names: Sequence[str], fold: np.ndarray, prior: float, naive: HeldOut
+    rows: CodedRows, names: Sequence[str], fold: np.ndarray, prior: float, naive: HeldOut, backoff: float | None = None
 ) -> tuple[pd.DataFrame, dict[str, Structure]]:
     """Return one row per structure, the paper's first, and the structures found in all rows.
 
     names: structures besides "naive". naive: what the paper's structure predicted, the yardstick.
+    backoff: of held-out tables with the gait before, see :func:`held_out`.
 
     Columns: factors; parameters (free probabilities of the effects' tables); log_likelihood and bic
     (maximum likelihood on all rows, nat; more is better); log_loss (held out, nat per row; less is
@@ -38,7 +39,7 @@ def compare(
     records, found = {}, {}
     for name in ("naive", *names):
         structure = NAIVE if name == "naive" else find_structure(name, rows.count())
-        predicted = naive if name == "naive" else held_out(rows, name, fold, prior)
+        predicted = naive if name == "naive" else held_out(rows, name, fold, prior, backoff=backoff)
         records[name] = {**_fit(rows, structure, prior), **_scores(rows, structure, predicted, naive)}
         found[name] = structure
     frame = pd.DataFrame.from_dict(records, orient="index")

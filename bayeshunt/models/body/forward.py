@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core import displays
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked, checked_but
 from bayeshunt.core.bins import ENERGY, EffectAxes
 from bayeshunt.core.checks import check_generator, check_whole
 from bayeshunt.core.errors import DataError, InputError
@@ -75,7 +75,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         prior: Dirichlet pseudo-count per cell, >= 0; 0 gives maximum-likelihood tables.
         gait_prior: "uniform" (the paper) or "empirical".
         structure: the edges; by default the paper's, or PREVIOUS_GAIT for counts by the gait before.
-        backoff: as in :meth:`fit`.
+        backoff: rows of back-off of counts by the gait before; None: none.
         """
         self._set(tables_of(joint, prior, gait_prior, structure, backoff), provenance or {}, data)
 
@@ -100,7 +100,7 @@ class ForwardModel(displays.Displayed, WritableModel):
     # --- learning -----------------------------------------------------------------------------
 
     @classmethod
-    @checked
+    @checked_but("backoff")
     def fit(
         cls,
         frame: pd.DataFrame,
@@ -110,7 +110,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         axes: EffectAxes | str | None = None,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
-        backoff: float | None = None,
+        backoff: float | str | None = "auto",
         residual_of: str | Residuals | None = None,
         effects: Iterable[str] | None = None,
     ) -> ForwardModel:
@@ -119,22 +119,21 @@ class ForwardModel(displays.Displayed, WritableModel):
         frame: columns gait, distance [m], angle and heading [rad clockwise]; path columns optional.
         gaits: a repertoire, or Gait objects or names, in table order. Of names alone, body length and duration are
             those of the robot that the table's record names, or of ``axes``; else they are unknown.
-        prior: Dirichlet pseudo-count per cell, >= 0; by default 0, with ``backoff`` 0.03.
+        prior: Dirichlet pseudo-count per cell, >= 0; by default 0, with back-off 0.03.
         axes: bins; default ``EffectAxes.standard(gaits.body_length)``. Distance bins are added up
             to the farthest row. "auto": those of the highest held-out density, see ``models.counting.auto_axes``.
         structure: "naive" (the paper), "tan", "joint", "previous_gait" or "learned", or a Structure. The
             edges of "tan" and "learned" are found in the rows; later updates keep them. For
             "previous_gait" the table must say which gait went before, see :meth:`given`.
         backoff: of "previous_gait", rows > 0 that P(effect | Gait), smoothed by the prior, is worth in each
-            P(effect | Gait, PreviousGait), for example 5.0; mean poses lean on those of the gait likewise. None: the
-            prior alone smooths them.
+            P(effect | Gait, PreviousGait), by default 5.0; mean poses lean likewise. None: the prior alone.
         residual_of: "unicycle": the motion that a gait's command asks for is fitted, and the tables count what it
             misses, on bins of their own that the rows choose; ``axes`` are then those of :attr:`binned`. The gaits
             need commands, or the table columns command_0, ...; later updates keep the motion. None: the poses.
         effects: ["Distance", "Angle", "Heading", "Energy"], in any order, makes the column energy [J] a node that
             depends on what causes the others, in bins of ``axes.energy`` or of the highest held-out density.
 
-        Raises DataError if the table is wrong or, with prior 0, a gait ("previous_gait": a pair) has no rows;
+        Raises DataError if the table is wrong or, with prior 0, a gait (without back-off: a pair) has no rows;
         InputError for a bad prior or structure or another robot's table; ZeroCountError if one needs a prior.
         """
         check_hunting(structure)
@@ -150,11 +149,12 @@ class ForwardModel(displays.Displayed, WritableModel):
             inner = cls.fit(found.table, found.residuals.gaits, prior, axes=found.residuals.axes, gait_prior=gait_prior,
                             structure=structure, backoff=backoff)  # fmt: skip
             return cls.over(found.source(inner.source), inner.provenance, (frame,))
+        backoff = structures.strength_of(backoff, structure)
         empty = cls(counts_for(structure).empty(repertoire, grid), prior, gait_prior, backoff=backoff)
         return empty.update(frame)._fitted(structure)
 
     @classmethod
-    @checked
+    @checked_but("backoff")
     def from_counts(
         cls,
         joint: JointCounts | PreviousCounts,
@@ -162,13 +162,12 @@ class ForwardModel(displays.Displayed, WritableModel):
         *,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
-        backoff: float | None = None,
+        backoff: float | str | None = "auto",
         provenance: Mapping[str, Any] | None = None,
     ) -> ForwardModel:
         """Learn the tables from counts of rows that need not be in memory: equal to :meth:`fit` of those rows.
 
-        joint: the sufficient statistics, of the kind that the structure is fitted to
-            (``models.counting.previous.counts_for``), see ``models.counting.streaming``; the rest as in :meth:`fit`.
+        joint: of the kind the structure is fitted to, see ``models.counting.streaming``; the rest as in :meth:`fit`.
         """
         check_hunting(structure)
         if not isinstance(joint, counts_for(structure)):
@@ -177,6 +176,7 @@ class ForwardModel(displays.Displayed, WritableModel):
                 if depends_on_previous(structure)
                 else "this structure is fitted to JointCounts; counts by the gait before are for previous_gait"
             )
+        backoff = structures.strength_of(backoff, structure)
         return cls(joint, prior, gait_prior, provenance, backoff=backoff)._fitted(structure)
 
     def _fitted(self, structure: str | Structure) -> ForwardModel:
@@ -199,7 +199,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         return ForwardModel.over(tables, self.provenance, self.data)
 
     @classmethod
-    @checked
+    @checked_but("backoff")
     def empty(
         cls,
         gaits: Iterable[Gait | str] | GaitRepertoire,
@@ -208,7 +208,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         axes: EffectAxes | None = None,
         gait_prior: str = "uniform",
         structure: str | Structure = "naive",
-        backoff: float | None = None,
+        backoff: float | str | None = "auto",
     ) -> ForwardModel:
         """Return a model that has counted nothing; with prior 0 its tables raise ZeroCountError.
 
@@ -221,7 +221,7 @@ class ForwardModel(displays.Displayed, WritableModel):
             if structure in structures.SEARCHED:
                 raise InputError(f"structure {structure!r} is found in rows, and there are none yet; use fit")
             structure = structures.find_structure(structure, counts.table)
-        return cls(counts, prior, gait_prior, structure=structure, backoff=backoff)
+        return cls(counts, prior, gait_prior, structure=structure, backoff=structures.strength_of(backoff, structure))
 
     @classmethod
     @checked

@@ -16,10 +16,14 @@ import numpy as np
 from bayeshunt.core.checks import check_pseudo_count
 from bayeshunt.core.errors import InputError
 
-__all__ = ["PRIOR", "check_strength", "leaning_poses", "leaning_table"]
+__all__ = ["PRIOR", "STRENGTH", "BackOff", "check_strength", "leaning_poses", "leaning_table"]
 
 #: Pseudo-count per cell of the table that is leant on, where none is chosen: a row's worth in a column of 36 bins.
 PRIOR = 0.03
+#: Rows of back-off where none are chosen: of 2 to 40 the best for most bodies on wheels and legs.
+STRENGTH = 5.0
+#: Rows of back-off; "auto": :data:`STRENGTH` where there is a context, else none; None: none.
+BackOff = float | str | None
 
 
 def check_strength(value: Any) -> float:

@@ -19,6 +19,7 @@ import pandas as pd
 from bayeshunt.core.arguments import check_fields, checked
 from bayeshunt.core.bins import EFFECTS, ENERGY
 from bayeshunt.core.errors import InputError, did_you_mean, shown
+from bayeshunt.models.counting.backoff import STRENGTH, BackOff, check_strength
 from bayeshunt.models.counting.cells import (
     MAX_TABLE_CELLS,
     CountedCells,
@@ -179,6 +180,13 @@ def find_structure(name: str, table: CountedCells) -> Structure:
 def depends_on_previous(structure: str | Structure) -> bool:
     """Return whether a structure, or one of ``STRUCTURES`` by name, has the gait before as a cause."""
     return structure == PREVIOUS_GAIT.name if isinstance(structure, str) else PREVIOUS in structure.causes
+
+
+def strength_of(backoff: BackOff, structure: str | Structure) -> float | None:
+    """Return the rows of back-off that tables of a structure have; None: none. InputError for another word."""
+    if isinstance(backoff, str):
+        return check_strength(backoff) if backoff != "auto" else STRENGTH if depends_on_previous(structure) else None
+    return backoff
 
 
 def check_hunting(structure: str | Structure) -> None:

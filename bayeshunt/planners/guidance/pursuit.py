@@ -35,8 +35,8 @@ class PurePursuit(Shown):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the prey's present position."""
         situation = check_request(situation, rng, self.hunter)
-        prey = situation.prey
-        return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
+        prey, steering = situation.prey, self.steering.after(situation.previous_gait)
+        return steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
 
 
 @planner_settings("proportional_navigation")
@@ -70,12 +70,12 @@ class ProportionalNavigation(Shown):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait whose turn is nearest the one commanded."""
         situation = check_request(situation, rng, self.hunter)
-        steering, prey = self.steering, situation.prey
+        steering, prey = self.steering.after(situation.previous_gait), situation.prey
         ahead, right = float(prey.forward), float(prey.right)
         if not situation.transitions or abs(prey.angle) > 0.5 * math.pi:
             return steering.towards(ahead, right, heading=float(prey.heading))
         track, step = prey_track(situation), situation.need("time_step")
-        v_ahead = float(track.forward[-1] - track.forward[-2]) / step - steering.top_speed
+        v_ahead = float(track.forward[-1] - track.forward[-2]) / step - self.steering.top_speed
         v_right = float(track.right[-1] - track.right[-2]) / step
         rate = (ahead * v_right - right * v_ahead) / max(ahead * ahead + right * right, 1e-12)
         turn = self.settings.navigation_constant * rate * step
@@ -123,15 +123,16 @@ class ConstantVelocity(Shown):
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the gait towards the point of interception."""
         situation = check_request(situation, rng, self.hunter)
+        steering = self.steering.after(situation.previous_gait)
         if not situation.transitions:
             prey = situation.prey
-            return self.steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
+            return steering.towards(float(prey.forward), float(prey.right), heading=float(prey.heading))
         ahead, right, v_ahead, v_right = self._estimate(situation)
         reach, step = situation.need("body_length"), situation.need("time_step")
         time = intercept_time(ahead, right, v_ahead, v_right, self.steering.top_speed, reach)
         # a gait is held for a whole step, so a point that is passed before the step ends is no aim
         time = max(time, step) if math.isfinite(time) else step
-        return self.steering.towards(ahead + v_ahead * time, right + v_right * time, prey_known=True)
+        return steering.towards(ahead + v_ahead * time, right + v_right * time, prey_known=True)
 
     def _estimate(self, situation: Situation) -> tuple[float, float, float, float]:
         """Return the filtered position [m] and velocity [m/s] of the prey: ahead, right, and their rates."""

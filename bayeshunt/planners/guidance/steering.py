@@ -10,6 +10,7 @@ import pandas as pd
 
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.body.forward import ForwardModel
+from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.planners.api import Plan, Situation
 
 __all__ = ["Steering", "intercept_time", "prey_track"]
@@ -29,6 +30,12 @@ class Steering:
         self.forward, self.right = np.array([e.forward for e in ends]), np.array([e.right for e in ends])
         self.heading = np.array([float(e.heading) for e in ends])
         self.reach = float(np.hypot(self.forward, self.right).max())
+        before = self.gaits if depends_on_previous(model.structure) else ()
+        self._after = {gait: Steering(model.after(gait)) for gait in before}
+
+    def after(self, previous_gait: str | None) -> Steering:
+        """Return what each gait does after the one just executed, where that changes it."""
+        return self._after.get(previous_gait or "", self)
 
     @property
     def top_speed(self) -> float:

@@ -32,10 +32,11 @@ class BeliefPlanner(InterceptPlanner):
     or two gaits, at every part-way time t; ``E[time] = integral of 1 - P(captured by t) dt``, with the
     homing estimate of :class:`InterceptPlanner` beyond the second step, from each sampled end pose.
 
-    Hunter: the forward model composed with itself, on sampled outcomes of each gait; part-way, an
-    outcome departs from the gait's mean path in proportion to time. After the first step the hunter sees where it
-    is, and the best second gait is taken from there: sqrt(S) first outcomes, as many second ones after each. Prey: S
-    futures drawn from its turn table by systematic resampling, with the speed and direction noise of the hunter's own
+    Hunter: the forward model composed with itself, on sampled outcomes of each gait (in a model of structure
+    "previous_gait" of each after the gait before it); part-way, an outcome departs from the gait's mean path in
+    proportion to time. After the first step the hunter sees where it is, and the best second gait is taken from there:
+    sqrt(S) first outcomes, as many second ones after each. Prey: S futures drawn from its turn table by systematic
+    resampling, with the speed and direction noise of the hunter's own
     fastest straight gait. Sample s of the hunter meets sample s of the prey: one sum over S estimates
     the double integral over both distributions. ``rng`` picks the block of samples.
 

@@ -6,6 +6,7 @@ Letters: G gaits, P part-way poses of a gait, S samples, K prey futures.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,11 +27,17 @@ class Samples:
     pairs: the hunter's paths in both steps, S of each. The first step has as many different outcomes as each of
         them has second ones, the square root of S; outcome [S] says which. After the first step the hunter sees which
         one it got, and decides again.
+    firsts: where a gait depends on the one before, the paths [3, G, P, S] of the first step after each gait; ``pairs``
+        are then those after a gait that is not known. second: the paths of the second step, after each first gait if
+        they depend on it. duration: seconds of a step.
     direction: radians [S], by which the prey's direction departs from its mean. pace: its speed as a share of the
         mean [S]. Both are those of the hunter's own fastest straight gait.
     """
 
     pairs: PairPaths
+    firsts: Mapping[str, np.ndarray]
+    second: np.ndarray
+    duration: float
     outcome: np.ndarray
     direction: np.ndarray
     pace: np.ndarray
@@ -54,15 +61,37 @@ class Samples:
         cls, model: ForwardModel, paths: np.ndarray, outcomes: Outcomes, block: int, seen: np.ndarray,
         straight: float, prey_noise: float,
     ) -> Samples:  # fmt: skip
-        ends = [np.stack([a[block, step].T for a in (outcomes.forward, outcomes.right, outcomes.heading)])
-                for step in range(3)]  # [3, G, S] each: the hunter's two steps, and the prey's own noise  # fmt: skip
-        first, second = (_departing(paths, end) for end in ends[:2])
-        pairs = PairPaths.compile(first, second, model.gaits.need("duration"))
+        duration = model.gaits.need("duration")
+        first, second = (_departing(paths, _ends(outcomes, block, step)) for step in range(2))
+        firsts = {}
+        if outcomes.after:
+            after = [
+                (gait_paths(model.after(gait)), part)
+                for gait, part in zip(model.gaits.names, outcomes.after, strict=True)
+            ]
+            made = [_departing(own, _ends(part, block, 0)) for own, part in after]
+            firsts = dict(zip(model.gaits.names, made, strict=True))
+            second = np.stack([_departing(own, _ends(part, block, 1)) for own, part in after], axis=1)
+        pairs = PairPaths.compile(first, second, duration)
         gait = _straightest(paths, straight)
-        forward, right = ends[2][:2, gait]
+        forward, right = _ends(outcomes, block, 2)[:2, gait]  # the prey's own noise
         direction = prey_noise * (np.arctan2(right, forward) - math.atan2(paths[gait, -1, 1], paths[gait, -1, 0]))
         reach = np.hypot(forward, right)
-        return cls(pairs, seen, direction, np.maximum(1.0 + prey_noise * (reach / reach.mean() - 1.0), 0.0))
+        return cls(
+            pairs,
+            firsts,
+            second,
+            duration,
+            seen,
+            direction,
+            np.maximum(1.0 + prey_noise * (reach / reach.mean() - 1.0), 0.0),
+        )
+
+    def after(self, previous_gait: str | None) -> PairPaths:
+        """Return the hunter's paths in both steps after the gait just executed, where that changes them."""
+        if previous_gait not in self.firsts:
+            return self.pairs
+        return PairPaths.compile(self.firsts[previous_gait], self.second, self.duration)
 
     def futures(self, whole: Futures) -> Futures:
         """Return S equally weighted prey futures: ``whole`` resampled, with noise.
@@ -101,6 +130,11 @@ def _stratified(count: int, rng: np.random.Generator) -> FloatArray:
     """Return a Latin hypercube [count, 6]: one point in each of ``count`` equal parts of every axis."""
     cells = rng.permuted(np.tile(np.arange(count)[:, None], 6), axis=0)
     return (cells + rng.random(cells.shape)) / count
+
+
+def _ends(outcomes: Outcomes, block: int, step: int) -> FloatArray:
+    """Return the sampled ends [3, G, S] of each gait in a step."""
+    return np.stack([a[block, step].T for a in (outcomes.forward, outcomes.right, outcomes.heading)])
 
 
 def _departing(paths: np.ndarray, ends: np.ndarray) -> FloatArray:

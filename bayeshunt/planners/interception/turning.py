@@ -163,7 +163,7 @@ class TurningPlanner(PairPlanner):
         if not self.samples:
             return self.pairs_from(situation), futures, self.spread
         samples = self.samples[int(rng.integers(len(self.samples)))]
-        return samples.pairs, samples.futures(futures), 0.0
+        return samples.after(situation.previous_gait), samples.futures(futures), 0.0
 
     def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
         """Return the pair of gaits of the earliest expected capture."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bayeshunt.core.units import true_minus
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.assessment.warnings import is_grave
+from bayeshunt.models.tables.structures import PREVIOUS
 from bayeshunt.views.notebook.html import Html, number, row, table, tag
 from bayeshunt.views.sheets.sheet import Drawn, Note, Printed, Sheet
 from bayeshunt.views.terminal.assessment import assessment_text
@@ -17,6 +18,8 @@ def assessment(shown: Assessment) -> Sheet:
     subtitle = f"{settings['rows']} rows, {settings['folds']} folds, seed {settings['seed']}; bins {bins}"
     accuracy = f"{100 * shown.gaits['accuracy']:.2f} %"
     known = [("gait inferred from Distance and Angle", accuracy), ("prior per cell", number(settings["prior"]))]
+    if settings["backoff"] is not None and shown.structures["factors"].str.contains(PREVIOUS).any():
+        known.append(("back-off to a gait's own table", f"{number(settings['backoff'])} rows"))
     if shown.given is not None:
         known.append(("the model's own log-loss", number(shown.given["log_loss"], 4)))
     measure = (

@@ -11,6 +11,7 @@ from rich.text import Text
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.models.assessment.warnings import is_grave
+from bayeshunt.models.tables.structures import PREVIOUS
 from bayeshunt.views.terminal import terminal
 from bayeshunt.views.terminal.text_tables import TextTable, string_console, word
 
@@ -98,7 +99,9 @@ def _structures(assessment: Assessment, out: Console) -> None:
         )  # fmt: skip
     table.print(out)
     for name, row in assessment.structures.iterrows():
-        out.print(Text(f"{name}: {row['factors']}"), style="dim")
+        leans = assessment.settings["backoff"] if PREVIOUS in row["factors"] else None
+        leant = "" if leans is None else f", each leaning on the gait's own table as on {leans:g} rows"
+        out.print(Text(f"{name}: {row['factors']}{leant}"), style="dim")
     out.print(
         "Log-loss of Distance, Angle and Heading together, held out, nat per row; gain over naive.\n"
         "BIC on all rows, more is better: it charges every parameter, seen or not.", style="dim",
