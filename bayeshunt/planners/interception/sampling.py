@@ -89,9 +89,8 @@ class Samples:
 
     def after(self, previous_gait: str | None) -> PairPaths:
         """Return the hunter's paths in both steps after the gait just executed, where that changes them."""
-        if previous_gait not in self.firsts:
-            return self.pairs
-        return PairPaths.compile(self.firsts[previous_gait], self.second, self.duration)
+        first = self.firsts.get(previous_gait or "")
+        return self.pairs if first is None else PairPaths.compile(first, self.second, self.duration)
 
     def futures(self, whole: Futures) -> Futures:
         """Return S equally weighted prey futures: ``whole`` resampled, with noise.
