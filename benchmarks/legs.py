@@ -143,8 +143,7 @@ def counter(hunts: Hunts) -> Iterator[str]:
     lines = []
     for arena in ("open", "walled"):
         for name, given in changed if arena == "open" else (changed[0], changed[4]):
-            runs = SOME if arena == "open" and name in ("as it is", "no change in a plan") else FEW
-            naive, known = (hunts.of(Row("planning", s, {"robot": _MIXED, **given}, arena), runs) for s in BOTH)
+            naive, known = (hunts.of(Row("planning", s, {"robot": _MIXED, **given}, arena), FEW) for s in BOTH)
             lines.append([f"{name}, {arena}", *map(caught, (naive, known)), paired(known, naive)[0],
                           *(means(row)[2] for row in (naive, known))])  # fmt: skip
     heads = ["planning", "naive", "previous_gait", "only previous / only naive, p"]
