@@ -2,7 +2,8 @@
 
 - intervals: how sure an answer is, against one query of pgmpy on the same evidence, in turns, for every structure;
 - graded: how many learned coordinates of preset "slippery" answer with less than 0.999, by babbling seed;
-- network: from a click on a state until its page is laid out again, every structure and alarm (37 nodes);
+- network: from a click on a state until its page is laid out again and until that is painted, every structure and alarm
+  (37 nodes), and what it costs all processes of the browser together (Linux);
 - replay: two hunts that ran their 60 s in step on one page: its size, and how long until it can be played;
 - report: the page of 3,500 hunts with five planners;
 - differences: the share of cells that ``compare`` marks between two babblings of one robot.
@@ -12,6 +13,7 @@ The pages are opened in a headless Chromium (extra ``test``); what needs one is 
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import time
@@ -89,26 +91,58 @@ def graded() -> dict[str, Any]:
 
 
 def network(browser: Any) -> list[dict[str, Any]]:
-    """One row per network: milliseconds from a click until all of it is worked out and laid out again."""
+    """One row per network: milliseconds from a click until all of it is worked out and laid out again, and painted.
+
+    A frame is painted up to 1/60 s after it is asked for. ``processor_ms``: what a click costs all processes of the
+    browser, which other programs on the machine do not add to; NaN where there is no /proc.
+    """
     rows = []
     for name, made in {**{s: (lambda s=s: fitted(s)) for s in STRUCTURES}, "alarm": alarm}.items():
         page = opened(browser, lambda path, made=made: bh.Network(made()).save(path))
-        taken = []
-        for at in range(CLICKS):
-            states = page.locator(".bh-network .state")
-            state = states.nth((7 * at) % states.count())
-            taken.append(state.evaluate(CLICK))
-        rows.append({"network": name, "clicks": CLICKS, "median_ms": float(np.median(taken)), "most_ms": max(taken)})
+        page.wait_for_timeout(300)
+        before = processor_ms()
+        taken = np.array([page.evaluate(CLICK, 7 * at) for at in range(CLICKS)])
+        spent = (processor_ms() - before) / CLICKS
+        laid, painted = taken.T
+        rows.append(
+            {
+                "network": name, "clicks": CLICKS, "median_ms": float(np.median(laid)), "most_ms": float(laid.max()),
+                "painted_median_ms": float(np.median(painted)), "painted_p95_ms": float(np.quantile(painted, 0.95)),
+                "processor_ms": spent,
+            }
+        )  # fmt: skip
     return rows
 
 
-#: Milliseconds from a click until everything that it changes has been worked out and laid out again.
-CLICK = """(state) => {
-  const before = performance.now();
-  state.click();
+#: Milliseconds from a click on a state until everything that it changes has been worked out and laid out again, and
+#: until the frame that shows it has been painted.
+CLICK = """(at) => new Promise((done) => {
+  const states = document.querySelectorAll(".bh-network .state"), before = performance.now();
+  states[at % states.length].click();
   document.body.getBoundingClientRect();
-  return performance.now() - before;
-}"""
+  const laid = performance.now() - before, painted = new MessageChannel();
+  painted.port1.onmessage = () => done([laid, performance.now() - before]);
+  requestAnimationFrame(() => painted.port2.postMessage(null));
+})"""
+
+
+def processor_ms() -> float:
+    """Processor time of everything that this process started, in milliseconds; NaN where there is no /proc."""
+    spent: dict[int, int] = {}
+    children: dict[int, list[int]] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue  # it has ended
+        children.setdefault(int(fields[1]), []).append(int(stat.parent.name))
+        spent[int(stat.parent.name)] = int(fields[11]) + int(fields[12])
+    found, left = 0, [os.getpid()]
+    while left:
+        own = children.get(left.pop(), [])
+        found += sum(spent[one] for one in own)
+        left += own
+    return 1e3 * found / os.sysconf("SC_CLK_TCK") if spent else float("nan")
 
 
 def alarm() -> Any:
@@ -241,8 +275,9 @@ def _lines(facts: dict[str, Any]) -> Iterator[str]:
         )
     for row in facts.get("network", ()):
         yield (
-            f"network, {row['network']:<14}drawn again after {row['median_ms']:.1f} ms, "
-            f"at most {row['most_ms']:.1f} ms ({row['clicks']} clicks)"
+            f"network, {row['network']:<14}laid out again after {row['median_ms']:.1f} ms, at most "
+            f"{row['most_ms']:.1f}; painted after {row['painted_median_ms']:.1f} ms, 95 % within "
+            f"{row['painted_p95_ms']:.1f}; {row['processor_ms']:.0f} ms of processor time ({row['clicks']} clicks)"
         )
     if found := facts.get("replay"):
         ready = " ".join(f"{ms:.0f}" for ms in found["interactive_ms"])

@@ -1,6 +1,6 @@
 """axe-core finds nothing in our own elements inside JupyterLab and marimo: both themes, 390 and 1400 px wide.
 
-marimo is no extra of this package; where it is not installed, its half is skipped.
+Where one of the two is not installed (extras notebook, marimo), its half is skipped.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def test_inside_jupyterlab(open_page, axe, model, tmp_path):
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_inside_marimo(open_page, axe, model, tmp_path, theme):
-    pytest.importorskip("marimo", reason="marimo is not installed")
+    pytest.importorskip("marimo", reason="marimo is not installed (extra: marimo)")
     (tmp_path / "work").mkdir()
     model.save(tmp_path / "work" / "model.json")
     system = "dark" if theme == "light" else "light"  # the program's own theme wins

@@ -61,3 +61,36 @@ def test_a_number_opens_at_the_side(page, model):
     assert panel.locator(".formula").inner_text().endswith(f"= {found.factors.loc[found.gait, 'posterior']:.6g}")
     page.keyboard.press("Escape")
     assert panel.count() == 0
+
+
+@pytest.mark.slow
+def test_nothing_hides_the_cell_the_paths_or_their_names(page, model):
+    """The cell that answers is an outline, the grip a ring around the target, the body below the paths, each named."""
+    look = lambda part: page.locator(f"svg[role=application] .{part}").first.evaluate(  # noqa: E731
+        "e => (s => [s.fill, Number(s.fillOpacity), s.stroke, parseFloat(s.strokeWidth)])(getComputedStyle(e))"
+    )
+    fill, _, stroke, width = look("cell")
+    assert (fill, stroke != "none", width > 0) == ("none", True, True)
+    _, opacity, stroke, width = look("target-grip")
+    assert (opacity, stroke != "none", width > 0) == (0, True, True)  # seen through, and still to be grasped
+    inside = page.locator("svg[role=application]").evaluate(
+        """svg => {
+          const cell = svg.querySelector(".cell").getBBox(), grip = svg.querySelector(".target-grip");
+          return [Number(grip.getAttribute("r")), cell.width, cell.height];
+        }"""
+    )
+    assert inside[0] > min(inside[1:]) / 2  # offset: around the cell's middle, not upon it
+    order = page.locator("svg[role=application] .body, svg[role=application] .path").evaluate_all(
+        "all => all.map(e => e.classList[0])"
+    )
+    assert order == ["body", *["path"] * len(model.gaits)]
+    names = page.locator("svg[role=application] .gait-name")
+    assert names.all_text_contents() == list(model.gaits.names)
+    boxes = [name.bounding_box() for name in names.all()]
+    for i, one in enumerate(boxes):
+        for other in boxes[:i]:
+            apart = abs(one["y"] - other["y"]) >= 0.7 * one["height"]
+            beside = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
+            assert apart or beside
+    best = bh.InverseModel(model).posterior(0.1, 0.5).best
+    assert page.locator("svg[role=application] .gait-name.best").all_text_contents() == [best]

@@ -177,6 +177,35 @@ def test_a_probability_opens_down_to_its_rows(page_of, settings, model):
 
 
 @pytest.mark.slow
+def test_values_of_first_gaits_are_dots_from_the_best_and_say_how_much_worse(page_of, planned):
+    """No bar that is longer where it is worse: the best stands at 0, the worst at the far end, the spread as a line."""
+    page, watch = page_of(planned, "#d=3")
+    row, trace = planned.frame.iloc[2], planned.plans[2].trace
+    least = dict(zip(row["alternative_gaits"], row["alternative_values"], strict=True))
+    low, wide = min(least.values()), max(least.values()) - min(least.values())
+    first = trace["gaits"].str.replace(r" x\d+.*", "", regex=True)
+    most = trace[trace["T"] > 0].groupby(first)["value_m"].max()
+    assert page.locator("[data-part=bars] td.bar").count() == 0
+    lines = page.locator("[data-part=bars] tr")
+    assert lines.count() == len(least)
+    for line, (gait, value) in zip(lines.all(), least.items(), strict=True):
+        assert line.locator("th").inner_text() == gait
+        dots = line.locator("td.dots")
+        at = float(dots.locator("i").evaluate("e => e.style.left").removesuffix("%"))
+        assert at == pytest.approx(100 * (value - low) / wide, abs=0.1)
+        spread = dots.locator(".spread").evaluate("e => [parseFloat(e.style.left), parseFloat(e.style.width)]")
+        end = min(100.0, 100 * (most[gait] - low) / wide)
+        assert (spread[0], sum(spread)) == (pytest.approx(at, abs=0.1), pytest.approx(end, abs=0.1))
+        said = line.locator("td.worse").inner_text()
+        if value == low:
+            assert (said, gait) == ("best", row["gait"])
+        else:
+            assert re.fullmatch(r"\+[\d.]+ mm worse", said)
+            assert float(said[1:].split()[0]) == pytest.approx(1000 * (value - low), rel=6e-3)
+    assert watch.errors == []
+
+
+@pytest.mark.slow
 def test_a_row_of_the_prey_table_opens_to_the_steps_that_it_counts(page_of, planned):
     page, watch = page_of(planned, f"#d={len(planned.frame)}")
     cells = list(planned.frame["prey_table"].iloc[-1])

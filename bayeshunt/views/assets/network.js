@@ -311,12 +311,15 @@ class NetworkView {
     card.box.classList.toggle("seen", known >= 0 || soft !== null);
     card.box.classList.toggle("apart", apart && known < 0);
     card.head.setAttribute("aria-pressed", String(node === this.asked));
-    card.options.forEach(({ option, ghost, bar, value }, state) => {
-      const p = marginal ? marginal[state] : 0;
+    card.options.forEach((parts, state) => {
+      const { option, ghost, bar, value } = parts, p = marginal ? marginal[state] : 0;
+      const leaning = soft !== null && soft[state] === Math.max(...soft), looks = [p, top, state === known, leaning].join(" ");
+      if (parts.looks === looks) return; // what did not change is not drawn again
+      parts.looks = looks;
       ghost.style[side] = `${(100 * prior[state]) / top}%`;
       bar.style[side] = `${(100 * p) / top}%`;
       option.classList.toggle("never", p === 0);
-      option.classList.toggle("leaning", soft !== null && soft[state] === Math.max(...soft));
+      option.classList.toggle("leaning", leaning);
       option.setAttribute("aria-selected", String(state === known));
       if (value) value.textContent = share(p);
       else option.setAttribute("aria-label", this.words(node, state));

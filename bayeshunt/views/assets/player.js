@@ -331,7 +331,9 @@ class Player {
       cell.setAttribute("aria-hidden", "true");
       const off = values[i] - best, more = Number(Math.abs(off).toPrecision(3));
       const words = Math.abs(off) < 1e-9 ? "best" : `${off > 0 ? "+" : "−"}${more}${unit ? ` ${unit}` : ""}`;
-      return [cell, element("td", { class: "worse" }, null, words)];
+      const said = element("td", { class: "worse" }, null, words);
+      if (words !== "best") element("span", {}, said, " worse");
+      return [cell, said];
     };
   }
 
