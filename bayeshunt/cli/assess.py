@@ -132,7 +132,9 @@ def score(
     data: Annotated[Path, typer.Argument(help="Babbling table, or a log, of one robot.", show_default=False)],
     model: Annotated[
         list[str] | None,
-        typer.Option(help="stays, unicycle, table, previous_gait or residual; may be repeated. Default: all."),
+        typer.Option(
+            help="stays, unicycle, unicycle_lag, table, previous_gait or residual; may be repeated. Default: all."
+        ),
     ] = None,
     folds: Annotated[int, typer.Option(help="Folds of the cross-validation.")] = 5,
     folds_by: Annotated[
@@ -140,7 +142,7 @@ def score(
     ] = None,
     seed: Seed = 0,
     gaits: Annotated[
-        str, typer.Option(help="Number of clusters of the command, found in each fold; or held, or a column.")
+        str, typer.Option(help="Number of clusters of the command, or auto, found in each fold; or held, or a column.")
     ] = "25",
     time_step: ingest.TimeStep = None,
     pose: ingest.Pose = None,
@@ -159,9 +161,10 @@ def score(
 
     Example:  bayeshunt score log.csv --time-step 1 --gaits 25 --folds-by run --figure scores.png
     """
+    from bayeshunt.data.command_gaits import AUTO
     from bayeshunt.data.logs import command_columns
     from bayeshunt.files.atomic import write_text
-    from bayeshunt.models.assessment.forward_scores import MODELS, score_forward
+    from bayeshunt.models.assessment.forward_scores import COMMANDED, MODELS, score_forward
     from bayeshunt.views.terminal import terminal
     from bayeshunt.views.terminal.scores import forward_table
 
@@ -170,8 +173,8 @@ def score(
     for note in () if as_json else notes:
         terminal.say(note)
     commands = command_columns(frame.columns)
-    chosen = model or [name for name in MODELS if commands or name not in ("unicycle", "residual")]
-    number: Any = asked.gaits if isinstance(asked.gaits, int) and commands else None
+    chosen = model or [name for name in MODELS if commands or name not in COMMANDED]
+    number: Any = asked.gaits if commands and (isinstance(asked.gaits, int) or asked.gaits == AUTO) else None
     with terminal.progress_bar("scoring", None, quiet=quiet or as_json):
         table = score_forward(frame, number, chosen, folds_by, folds, seed)
     if out is not None:

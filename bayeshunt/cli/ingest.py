@@ -14,7 +14,12 @@ from bayeshunt.cli.outputs import out_file
 from bayeshunt.core.errors import InputError
 
 TimeStep = Annotated[float | None, typer.Option(help="A log: seconds of one window, the time that a gait is held.")]
-Gaits = Annotated[str, typer.Option(help="A log: number of clusters of the command, held (each command), or a column.")]
+Gaits = Annotated[
+    str,
+    typer.Option(
+        help="A log: number of clusters of the command, auto (what foresees best), held (each command), or a column."
+    ),
+]
 Pose = Annotated[str | None, typer.Option(help="A log: columns of the pose, X,Y,YAW.")]
 Command = Annotated[str | None, typer.Option(help="A log: columns of the command, for example LEFT,RIGHT.")]
 Time = Annotated[str | None, typer.Option(help="A log: column of the time.")]
@@ -39,7 +44,7 @@ def log_options(
         raise InputError(f"--pose {pose}: expected three columns, X,Y,YAW")
     number: int | str = int(gaits) if gaits.lstrip("+-").isdigit() else gaits
     if isinstance(number, int) and number < 1:
-        raise InputError(f"--gaits {gaits}: expected a number of at least 1, held, or a column")
+        raise InputError(f"--gaits {gaits}: expected a number of at least 1, auto, held, or a column")
     return LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length, seed)
 
 

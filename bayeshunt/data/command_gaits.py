@@ -1,9 +1,12 @@
-"""Gaits out of commands: clusters of them, the distinct ones that were held, or names that a column gives."""
+"""Gaits out of commands: clusters of them, the distinct ones that were held, or names that a column gives.
+
+How many clusters can be left to the rows ("auto"): as many as foresee the poses best that they have not counted.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,8 +15,14 @@ from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait
 
-__all__ = ["NamedGaits", "cluster", "gaits_of_commands"]
+__all__ = ["AUTO", "HELD", "NamedGaits", "best_number", "cluster", "gaits_of_commands", "is_column"]
 
+#: What ``gaits`` may say instead of a number or a column.
+AUTO, HELD = "auto", "held"
+#: Numbers of gaits that are tried; each needs so many rows on average.
+_NUMBERS, _ROWS_EACH = (2, 3, 4, 6, 9, 12, 16, 25, 40, 64, 100), 5
+_FOLDS = 5
+_SHRINK = 0.5  # rows that the mean of all is worth in a gait's own
 #: More distinct commands than this are no gaits that were held.
 _MOST_HELD = 500
 _STARTS = 8  # of the search for clusters; the best is kept
@@ -27,11 +36,13 @@ class NamedGaits(NamedTuple):
 
 
 def gaits_of_commands(
-    commands: np.ndarray, gaits: int | str, column: pd.Series | None, *, seed: int, source: str = "log"
-) -> NamedGaits:
+    commands: np.ndarray, moved: np.ndarray, gaits: int | str, column: pd.Series | None, *, seed: int,
+    source: str = "log",
+) -> NamedGaits:  # fmt: skip
     """Return the gait of each row and the repertoire.
 
-    commands: [N, A]. gaits: a number of clusters, or "held" (each distinct command), or the name of ``column``, which
+    commands: [N, A]. moved: where each led, [N, 3]: x, y and yaw. gaits: a number of clusters, "auto" (that number
+    which foresees held-out rows best), or "held" (each distinct command), or the name of ``column``, which
     holds names already. Fewer distinct commands than clusters give as many gaits as there are commands.
     """
     check_whole(seed, "seed", 0)
@@ -43,17 +54,61 @@ def gaits_of_commands(
         codes, distinct = pd.factorize(names, sort=True)
         centres = np.stack([commands[codes == i].mean(axis=0) for i in range(len(distinct))])
         return NamedGaits(names, tuple(Gait(str(n), tuple(c.tolist())) for n, c in zip(distinct, centres, strict=True)))
-    if gaits == "held":
+    if gaits == HELD:
         distinct, codes = np.unique(np.round(commands, 9), axis=0, return_inverse=True)
         if len(distinct) > min(_MOST_HELD, max(len(commands) // 2, 1)):
             raise InputError(f"{source}: {len(distinct)} different commands in {len(commands)} windows: they are not "
                              "held; give a number of gaits instead")  # fmt: skip
         return _named(codes.ravel(), distinct)
+    if gaits == AUTO:
+        gaits = best_number(commands, moved, seed=seed)
     if isinstance(gaits, str):
-        raise InputError(f"{source}: gaits: expected a number, 'held' or the name of a column, got {gaits!r}")
+        raise InputError(f"{source}: gaits: expected a number, 'auto', 'held' or the name of a column, got {gaits!r}")
     check_whole(gaits, "gaits", 1)
     centres = cluster(commands, gaits, seed=seed)
     return _named(nearest(commands, centres), centres)
+
+
+def is_column(gaits: Any) -> bool:
+    """Return whether ``gaits`` is the name of a column."""
+    return isinstance(gaits, str) and gaits not in (AUTO, HELD)
+
+
+def best_number(commands: np.ndarray, moved: np.ndarray, *, seed: int) -> int:
+    """Return the number of clusters of commands [N, A] whose mean poses foresee held-out rows best.
+
+    moved: x, y [m] and yaw [rad] that came, [N, 3]. The loss of a row is its distance in typical steps plus the chord
+    of its heading. Folds keep equal commands together, or are blocks of rows where few commands recur often.
+    """
+    distinct, codes = np.unique(commands, axis=0, return_inverse=True)
+    rows = len(commands)
+    if len(distinct) > rows / _ROWS_EACH:
+        fold = (np.random.default_rng(np.random.SeedSequence(seed)).permutation(len(distinct)) % _FOLDS)[codes.ravel()]
+    else:
+        fold = np.arange(rows) * _FOLDS // rows
+    most = min(len(distinct), max(rows // _ROWS_EACH, 1))
+    numbers = sorted({number for number in _NUMBERS if number < most} | {min(most, _NUMBERS[-1])})
+    scale = float(np.median(np.hypot(moved[:, 0], moved[:, 1]))) or 1.0
+    came = np.column_stack([moved[:, :2] / scale, np.cos(moved[:, 2]), np.sin(moved[:, 2])])
+    losses = [_loss(nearest(commands, cluster(commands, n, seed=seed)), came, fold) for n in numbers]
+    return numbers[int(np.argmin(losses))]
+
+
+def _loss(codes: np.ndarray, came: np.ndarray, fold: np.ndarray) -> float:
+    """Mean held-out error of the mean poses [N, 4] of each code [N]."""
+    total, width = 0.0, int(codes.max()) + 1
+    for number in np.unique(fold):
+        test, train = fold == number, fold != number
+        if not train.any():
+            continue
+        sums = np.stack([np.bincount(codes[train], came[train, i], minlength=width) for i in range(4)], axis=1)
+        counts = np.bincount(codes[train], minlength=width)[:, None]
+        means = (sums + _SHRINK * came[train].mean(axis=0)) / (counts + _SHRINK)
+        facing = means[:, 2:] / np.maximum(np.hypot(*means[:, 2:].T), 1e-12)[:, None]
+        foreseen = np.column_stack([means[:, :2], facing])[codes[test]]
+        gap = came[test] - foreseen
+        total += float((np.hypot(gap[:, 0], gap[:, 1]) + np.hypot(gap[:, 2], gap[:, 3])).sum())
+    return total / len(codes)
 
 
 def cluster(commands: np.ndarray, number: int, *, seed: int) -> np.ndarray:

@@ -27,7 +27,7 @@ __all__ = ["Held", "LogOptions", "babbling_from", "needs_ingesting"]
 class LogOptions:
     """How a log is to be read, and cut: the options of ``bayeshunt ingest log``; None: by name, or the default.
 
-    time_step: seconds of a window. gaits: a number of clusters, "held", or a column. pose: columns of x, y, yaw.
+    time_step: seconds of a window. gaits: clusters, "auto", "held", or a column. pose: columns of x, y, yaw.
     command: columns. time: column. time_unit, unit, angle: what they are in. body_length: metres. seed: of clusters.
     """
 

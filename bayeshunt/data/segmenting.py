@@ -16,7 +16,7 @@ from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.geometry import wrap
-from bayeshunt.data.command_gaits import NamedGaits, gaits_of_commands
+from bayeshunt.data.command_gaits import AUTO, HELD, NamedGaits, gaits_of_commands, is_column
 from bayeshunt.data.logs import command_columns
 from bayeshunt.data.text_tables import as_numbers
 from bayeshunt.data.track_report import round_down
@@ -47,8 +47,9 @@ def gaits_from_windows(
 
     command: columns of the command, one for each actuator. pose: columns of x forward, y left [m] and yaw
         [rad counter-clockwise] after the window, in the frame at its start.
-    time_step: seconds of a window. gaits: a number of clusters of the command, "held" (each distinct command), or
-        the name of a column that names them. seed: of the clusters.
+    time_step: seconds of a window. gaits: a number of clusters of the command, "auto" (the number whose mean poses
+        foresee held-out rows best), "held" (each distinct command), or the name of a column that names them.
+        seed: of the clusters.
     body_length: metres; by default bins are made for a typical step. run: a column that changes where the rows
         no longer follow each other; by default all were executed in order. It bounds ``previous_gait``.
     drop: leave out rows without numbers (counted in the record) instead of raising.
@@ -60,7 +61,7 @@ def gaits_from_windows(
     command = (command,) if isinstance(command, str) else tuple(command)
     if len(pose) != 3:
         raise InputError(f"pose: expected three columns x, y, yaw, got {', '.join(map(str, pose))}")
-    named = isinstance(gaits, str) and gaits != "held"
+    named = is_column(gaits)
     for name in (*command, *pose, *([gaits] if named else []), *([run] if run else [])):
         if name not in frame.columns:
             raise DataError(f"windows: column {name!r} is missing; the table has {', '.join(map(str, frame.columns))}"
@@ -80,7 +81,7 @@ def gaits_from_windows(
     if run is not None:
         follows &= kept[run].to_numpy()[1:] == kept[run].to_numpy()[:-1]
     commands, moved = values[:, : len(command)], values[:, len(command) :]
-    found = gaits_of_commands(commands, gaits, kept[gaits] if named else None, seed=seed, source="windows")
+    found = gaits_of_commands(commands, moved, gaits, kept[gaits] if named else None, seed=seed, source="windows")
     taken = {*command, *pose, "gait", "distance", "angle", "heading", "previous_gait"}
     others = kept[[name for name in kept.columns if name not in taken and not str(name).startswith("command_")]]
     table = _table(found, commands, moved, follows, kept.index)
@@ -108,7 +109,7 @@ def gaits_from_log(
     _check_log(log)
     step = _time_step(time_step)
     names = command_columns(log.columns)
-    named = isinstance(gaits, str) and gaits != "held"
+    named = is_column(gaits)
     if named and gaits not in log.columns:
         raise DataError(f"log: column {gaits!r} is missing; the log has {', '.join(map(str, log.columns))}"
                         f"{_near(gaits, log)}")  # fmt: skip
@@ -118,7 +119,7 @@ def gaits_from_log(
         raise DataError(f"log: no unbroken run (or hold of a command) is as long as one time-step of {step:g} s")
     moved, commands, rows = _measured(log, names, starts, step, held=holds is not None)
     column = log[gaits].iloc[rows].reset_index(drop=True) if named else None
-    found = gaits_of_commands(commands, gaits, column, seed=seed)
+    found = gaits_of_commands(commands, moved, gaits, column, seed=seed)
     begun, run, hold = starts["time"].to_numpy(), starts["run"].to_numpy(), starts["hold"].to_numpy()
     touching = np.abs(np.diff(begun) - step) < 1e-6 * step + 1e-9
     next_hold = np.diff(hold) == 1  # the hold between was not lost
@@ -130,8 +131,8 @@ def gaits_from_log(
 
 
 def _near(gaits: int | str, table: pd.DataFrame) -> str:
-    """How an error about ``gaits`` ends: "held", or a column, that was likely meant."""
-    return did_you_mean(gaits, ["held", *map(str, table.columns)], listed=False)
+    """How an error about ``gaits`` ends: "auto", "held", or a column, that was likely meant."""
+    return did_you_mean(gaits, [AUTO, HELD, *map(str, table.columns)], listed=False)
 
 
 def _time_step(value: float | None) -> float:

@@ -10,6 +10,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.data.command_gaits import best_number
 from bayeshunt.models.motion.unicycle import Unicycle
 
 
@@ -65,3 +66,38 @@ def test_a_perfect_table_by_hand() -> None:
     ):  # fmt: skip
         with pytest.raises((InputError, DataError), match=problem):
             bh.score_forward(frame, **{"gaits": ["go", "turn"], "folds": 3, "models": ("table",), **wrong})
+
+
+def test_a_lag_is_scored_where_the_command_before_is_known() -> None:
+    frame = windows(300, 4)
+    speeds = np.column_stack([frame["cmd_left"], frame["cmd_right"]])
+    felt = 0.6 * speeds + 0.4 * np.concatenate([speeds[:1], speeds[:-1]])
+    length, turn = felt.mean(axis=1), 1.2 * (felt[:, 1] - felt[:, 0])
+    chord = length * np.sinc(turn / 2 / np.pi)
+    frame = frame.assign(x=chord * np.cos(turn / 2), y=chord * np.sin(turn / 2), yaw=turn)
+    table = bh.gaits_from_windows(frame, time_step=1.0, gaits=9)
+    asked = ("unicycle", "unicycle_lag", "residual")
+    scores = bh.score_forward(table, "auto", asked, folds_by="hold").set_index("model")
+    assert scores.loc["unicycle_lag", "heading_deg"] < 0.3 * scores.loc["unicycle", "heading_deg"]
+    assert scores.loc["residual", "heading_deg"] < 0.5 * scores.loc["unicycle", "heading_deg"]
+    apart = bh.score_forward(table.assign(previous_gait=None), 9, asked, folds_by="hold").set_index("model")
+    assert apart.loc["unicycle_lag", "n"] == 0
+    assert apart.loc["unicycle", "heading_deg"] == scores.loc["unicycle", "heading_deg"]
+
+
+def test_the_number_of_gaits_is_chosen_by_rows_not_counted() -> None:
+    rng = np.random.default_rng(0)
+    four = np.array([[0.2, 0.2], [0.1, 0.3], [0.3, 0.1], [-0.2, 0.2]])
+    gait = rng.integers(4, size=200)
+    told = four[gait]
+    moved = np.column_stack([told.mean(axis=1), np.zeros(200), 4 * (told[:, 1] - told[:, 0])])
+    moved += rng.normal(scale=0.02, size=(200, 3))
+    assert best_number(told, moved, seed=0) == 4  # few commands that recur
+    spread = rng.uniform(-0.3, 0.3, size=(400, 2))
+    moved = np.column_stack([spread.mean(axis=1), np.zeros(400), 4 * (spread[:, 1] - spread[:, 0])])
+    assert best_number(spread, moved, seed=0) >= 40  # the finer, the better
+    blind = rng.normal(size=(400, 3))
+    assert best_number(spread, blind, seed=0) <= 4  # commands tell nothing
+    frame = pd.DataFrame({"cmd_left": told[:, 0], "cmd_right": told[:, 1], "x": told.mean(axis=1), "y": 0.0,
+                          "yaw": 4 * (told[:, 1] - told[:, 0])})  # fmt: skip
+    assert bh.gaits_from_windows(frame, time_step=1.0, gaits="auto")["gait"].nunique() == 4

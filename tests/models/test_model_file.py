@@ -108,7 +108,7 @@ def test_layout_is_not_checksummed(model: ForwardModel, path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("version", "says"), [(7, "newer"), (0, "expected 1"), ("1", "expected 1"), (None, "expected")]
+    ("version", "says"), [(8, "newer"), (0, "expected 1"), ("1", "expected 1"), (None, "expected")]
 )
 def test_other_formats(path: Path, version: object, says: str) -> None:
     record = json.loads(path.read_text())

@@ -13,6 +13,7 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.core.errors import DataError, InputError, ModelFileError
 from bayeshunt.models.motion.residuals import added, missed
+from bayeshunt.models.motion.unicycle import Unicycle
 
 AXES = bh.EffectAxes.standard(0.5)
 
@@ -178,3 +179,68 @@ def test_it_is_compared_by_the_poses_that_it_gives() -> None:
     apart = bh.compare(plain, residual).difference["Angle"]
     assert apart.shape[0] == 36
     np.testing.assert_allclose(apart.sum(), 0.0, atol=1e-12)
+
+
+def lagging(rows: int, seed: int, lag: float = 0.3) -> pd.DataFrame:
+    """As ``babbled``, of a robot whose speeds follow its commands with a time constant of ``lag`` gaits."""
+    rng = np.random.default_rng(seed)
+    wheels = np.array([[1.0, 1.0], [0.4, 1.0], [1.0, 0.4], [-0.6, 0.6]])
+    gait = rng.integers(4, size=rows)
+    asked = np.column_stack([wheels[gait].mean(axis=1), 1.2 * (wheels[gait, 1] - wheels[gait, 0])])
+    speed, ends = asked[0], []
+    for target in asked:
+        times = (np.arange(200) + 0.5) / 200
+        now = target + (speed - target) * np.exp(-times[:, None] / lag)
+        turned = np.cumsum(now[:, 1]) / 200
+        place = (now[:, 0] * np.exp(1j * (turned - now[:, 1] / 400))).sum() / 200
+        ends.append((place.real, place.imag, turned[-1]))
+        speed = target + (speed - target) * np.exp(-1 / lag)
+    x, y, yaw = (np.array(ends) + rng.normal(scale=0.01, size=(rows, 3))).T
+    end = bh.Polar.from_cartesian(x, -y, -yaw)
+    names = np.array(GAITS)[gait]
+    return pd.DataFrame({
+        "gait": names, "distance": end.distance, "angle": end.angle, "heading": end.heading,
+        "command_0": wheels[gait, 0], "command_1": wheels[gait, 1], "previous_gait": [None, *names[:-1]],
+    })  # fmt: skip
+
+
+def test_a_robot_that_lags_is_foreseen_from_the_gait_before(tmp_path) -> None:
+    frame = lagging(400, 2)
+    how = {"axes": AXES, "residual_of": "unicycle", "structure": "previous_gait", "backoff": 5.0}
+    model = bh.ForwardModel.fit(frame, GAITS, **how)
+    motion = model.source.residuals.motion
+    assert motion.lag == pytest.approx((0.3, 0.3), abs=0.05)
+    assert motion.forward == pytest.approx((0.5, 0.5), abs=0.02)
+    assert "lags behind its commands" in str(model)
+    for (before, gait), rows in frame.groupby(["previous_gait", "gait"]):
+        pose = model.given({"PreviousGait": before}).predict(gait)
+        assert pose.heading == pytest.approx(rows["heading"].mean(), abs=0.06)
+    unknown = model.predict("spin")  # the gait before is summed over
+    assert unknown.heading == pytest.approx(frame.loc[frame["gait"] == "spin", "heading"].mean(), abs=0.06)
+    drawn = model.sample("spin", 4000, rng=np.random.default_rng(0))
+    assert drawn.heading.mean() == pytest.approx(unknown.heading, abs=0.06)
+    assert model.mean_paths[3, -1, 2] == pytest.approx(unknown.heading, abs=1e-6)
+    after, steady = (bh.InverseModel(model).after(name).model for name in ("spin", "ahead"))
+    assert not np.array_equal(after.local_tables["Heading"], steady.local_tables["Heading"])
+    model.save(tmp_path / "m.json")
+    assert json.loads((tmp_path / "m.json").read_text())["format"] == 7
+    assert bh.ForwardModel.load(tmp_path / "m.json") == model
+    mixed = frame.sample(frac=1, random_state=1)
+    kept = {**how, "residual_of": model.source.residuals}
+    assert bh.ForwardModel.fit(mixed[:100], GAITS, **kept).update(mixed[100:]) == model
+    assert bh.ForwardModel.fit(frame, GAITS, 0.03, axes=AXES, residual_of="unicycle").source.residuals.motion.lag == (
+        0.0,
+        0.0,
+    )
+
+
+def test_a_lagging_motion_part_way_is_the_way_to_its_end() -> None:
+    motion = Unicycle((0.5, 0.5), (-1.2, 1.2), (0.4, 0.6))
+    told, before = np.array([[1.0, 0.4]]), np.array([[-0.6, 0.6]])
+    parts = np.arange(1, 2001) / 2000
+    way = motion.predict(np.repeat(told, 2000, axis=0), np.repeat(before, 2000, axis=0), parts)
+    speed = np.diff(np.asarray(way.heading), prepend=0.0) * 2000
+    target, start = -1.2 * (0.4 - 1.0), -1.2 * 1.2  # clockwise
+    np.testing.assert_allclose(speed, target + (start - target) * np.exp(-(parts - 1 / 4000) / 0.6), atol=1e-3)
+    settled = motion.predict(told, told)
+    np.testing.assert_allclose(np.column_stack(settled), np.column_stack(motion.predict(told)), atol=1e-12)

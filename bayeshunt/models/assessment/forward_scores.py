@@ -14,16 +14,18 @@ from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.data import babbling_table
-from bayeshunt.data.command_gaits import cluster
+from bayeshunt.data.command_gaits import AUTO, best_number, cluster
 from bayeshunt.data.logs import command_columns
 from bayeshunt.models.assessment.forward_points import points
 from bayeshunt.models.motion.residuals import added, missed
 from bayeshunt.models.motion.unicycle import Unicycle
 
-__all__ = ["MODELS", "score_forward"]
+__all__ = ["COMMANDED", "MODELS", "score_forward"]
 
-#: Everything that can be scored.
-MODELS = ("stays", "unicycle", "table", "previous_gait", "residual")
+#: Everything that can be scored; what is scored unless asked otherwise; what needs commands.
+MODELS = ("stays", "unicycle", "unicycle_lag", "table", "previous_gait", "residual")
+_USUAL = ("stays", "unicycle", "table", "previous_gait", "residual")
+COMMANDED = ("unicycle", "unicycle_lag", "residual")
 _BOOTSTRAPS = 1000
 _BLOCK = 10  # rows that are resampled together
 _UNKNOWN = -1
@@ -32,19 +34,21 @@ _UNKNOWN = -1
 @checked
 def score_forward(
     frame: pd.DataFrame,
-    gaits: int | Iterable[Gait | str] | GaitRepertoire | None = None,
-    models: Sequence[str] = MODELS,
+    gaits: int | str | Iterable[Gait | str] | GaitRepertoire | None = None,
+    models: Sequence[str] = _USUAL,
     folds_by: str | None = None,
     folds: int = 5,
     seed: int = 0,
 ) -> pd.DataFrame:
     """Score the pose after a gait as models foresee it that have not counted it; a row a model.
 
-    frame: a babbling table, in the order of execution; ``command_0``, ... beside for "unicycle" and "residual".
-    gaits: a number (commands are clustered inside each training fold), names or a repertoire, or None: as the table.
-    models: "stays"; "unicycle", the command's own motion fitted; "table", the median pose of each gait;
-        "previous_gait", backed off from (gait, gait before) over (gait, whether it changed) to the gait; "residual",
-        such tables of what the fitted unicycle misses (without the gait before, where the table does not know it).
+    frame: a babbling table, in the order of execution; ``command_0``, ... beside for :data:`COMMANDED` models.
+    gaits: a number (commands are clustered inside each training fold) or "auto" (it is chosen there, too), names or a
+        repertoire, or None: as the table.
+    models: "stays"; "unicycle", the command's own motion fitted; "unicycle_lag", the same behind the command before;
+        "table", the median pose of each gait; "previous_gait", backed off from (gait, gait before) over (gait, whether
+        it changed) to the gait; "residual", such tables of what the lagging unicycle misses (without the gait before
+        and the lag, where the table does not know it).
     folds_by: a column whose values are kept together; by default rows are drawn. folds: 2 or more. seed: of the folds.
 
     Columns: model; position_m, mean distance; heading_deg, mean absolute turn; n; position_low, position_high,
@@ -62,10 +66,12 @@ def score_forward(
     group, fold = _folds(frame, folds_by, folds, seed)
     outcomes = Polar(*(frame[name].to_numpy(dtype=float) for name in ("distance", "angle", "heading")))
     errors = {name: np.full((len(frame), 2), np.nan) for name in models}
+    earlier = _earlier(frame, commands)
     for number in range(int(fold.max()) + 1):
         test, train = fold == number, fold != number
         gait, before = _codes(frame, commands, gaits, train, seed)
-        for name, foreseen in _foreseen(models, commands, gait, before, outcomes, train, test).items():
+        asked = _asked(models, commands, earlier, outcomes, train, test)
+        for name, foreseen in _foreseen(models, asked, gait, before, outcomes, train, test).items():
             errors[name][test] = _errors(foreseen, _rows(outcomes, test))
     blocks = group // _BLOCK if folds_by is None else group
     return pd.DataFrame([_record(name, values, blocks, seed) for name, values in errors.items()])
@@ -73,8 +79,8 @@ def score_forward(
 
 def _commands(frame: pd.DataFrame, gaits: Any, models: Sequence[str]) -> FloatArray | None:
     names = command_columns(frame.columns)
-    needed = [name for name in models if name in ("unicycle", "residual")]
-    if not names and (needed or isinstance(gaits, (int, np.integer))):
+    needed = [name for name in models if name in COMMANDED]
+    if not names and (needed or gaits == AUTO or isinstance(gaits, (int, np.integer))):
         what = f"model {needed[0]!r} needs" if needed else "a number of gaits needs"
         raise DataError(f"table: column 'command_0' is missing; {what} the commands (bayeshunt.gaits_from_windows)")
     values = frame[names].to_numpy(dtype=float)
@@ -102,6 +108,10 @@ def _codes(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Whole numbers [N] of each row's gait and of the gait before it (-1: unknown)."""
     told = frame["previous_gait"].notna().to_numpy() if "previous_gait" in frame else np.zeros(len(frame), dtype=bool)
+    if commands is not None and isinstance(gaits, str) and gaits == AUTO:
+        moved = Polar(*(frame.loc[train, name].to_numpy(dtype=float) for name in ("distance", "angle", "heading")))
+        places = np.column_stack([moved.forward, moved.right, np.asarray(moved.heading)])
+        gaits = best_number(commands[train], places, seed=seed)
     if isinstance(gaits, (int, np.integer)) and not isinstance(gaits, bool) and commands is not None:
         centres = cluster(commands[train], int(gaits), seed=seed)
         spread = commands[train].std(axis=0)
@@ -118,9 +128,40 @@ def _codes(
     return gait, np.where(told, index.get_indexer(pd.Index(frame["previous_gait"].astype(str))), _UNKNOWN)
 
 
-def _foreseen(
+def _earlier(frame: pd.DataFrame, commands: FloatArray | None) -> FloatArray | None:
+    """Commands [N, A] before each row, NaN where none is known; None where no row knows of one."""
+    if commands is None or "previous_gait" not in frame:
+        return None
+    names, before = frame["gait"].astype(str).to_numpy(), frame["previous_gait"]
+    told = before.notna().to_numpy() & (before.astype(str).to_numpy() == np.concatenate([[""], names[:-1]]))
+    if not told.any():
+        return None
+    return np.where(told[:, None], np.concatenate([commands[:1], commands[:-1]]), np.nan)
+
+
+def _asked(
     models: Sequence[str],
     commands: FloatArray | None,
+    earlier: FloatArray | None,
+    outcomes: Polar[FloatArray],
+    train: np.ndarray,
+    test: np.ndarray,
+) -> dict[str, tuple[Polar[FloatArray], Polar[FloatArray]]]:
+    """Poses of the test rows, and of those learned from, that the motions fitted to the latter ask for."""
+    found: dict[str, tuple[Polar[FloatArray], Polar[FloatArray]]] = {}
+    for name in set(COMMANDED) & set(models):
+        before = None if name == "unicycle" else earlier
+        if commands is None or (name == "unicycle_lag" and before is None):
+            continue
+        rows = [(commands[part], None if before is None else before[part]) for part in (train, test)]
+        motion = Unicycle.fit(rows[0][0], _rows(outcomes, train), rows[0][1])
+        found[name] = motion.predict(*rows[1]), motion.predict(*rows[0])
+    return found
+
+
+def _foreseen(
+    models: Sequence[str],
+    motions: dict[str, tuple[Polar[FloatArray], Polar[FloatArray]]],
     gait: np.ndarray,
     before: np.ndarray,
     outcomes: Polar[FloatArray],
@@ -143,16 +184,12 @@ def _foreseen(
             raise DataError("table: no row knows the gait before (column 'previous_gait')")
         if known:
             found["previous_gait"] = points([k[train] for k in levels], [k[test] for k in levels], learned)
-    if commands is not None and {"unicycle", "residual"} & set(models):
-        motion = Unicycle.fit(commands[train], learned)
-        asked = motion.predict(commands[test])
-        if "unicycle" in models:
-            found["unicycle"] = asked
-        if "residual" in models:
+    for name, (asked, there) in motions.items():
+        found[name] = asked
+        if name == "residual":
             used = levels if known else levels[:1]
-            gaps = missed(motion.predict(commands[train]), learned)
-            extra = points([level[train] for level in used], [level[test] for level in used], gaps)
-            found["residual"] = added(asked, extra)
+            extra = points([level[train] for level in used], [level[test] for level in used], missed(there, learned))
+            found[name] = added(asked, extra)
     return {name: found[name] for name in models if name in found}
 
 

@@ -26,24 +26,28 @@ def at_times(steps: int) -> np.ndarray:
     return np.unique(np.maximum(np.round(np.array([1 / 12, 1 / 3, 2 / 3, 1.0]) * steps), 1).astype(np.int64) - 1)
 
 
-def sampled_scores(samples: FloatArray, came: FloatArray, *, floor: float, area: float) -> FloatArray:
+def sampled_scores(
+    samples: FloatArray, came: FloatArray, *, floor: float, area: float, scored: int | None = None
+) -> FloatArray:
     """Return the scores [N, 8], in the order of :data:`SCORES`, of samples [N, K, S] for what came [N, S].
 
-    ade, fde: mean and final error of the spatial median. best20: of the best of the first 20 samples, each for itself.
-    energy: mean of E|X - y| - E|X - X'| / 2 over four times. nll: -log of a Gaussian kernel density (Silverman's
-    bandwidth, at least ``floor``; 0.1 % uniform over ``area``) there. cover50, cover90: whether what came lies where
-    the density is among the highest half, or nine tenths, of the samples' own. One sample (K = 1) is a point: nll and
-    coverage are NaN.
+    ade, fde: mean and final error of the spatial median of all samples. best20: of the best of the first 20, each for
+    itself. Of the first ``scored`` (None: all): energy, mean of E|X - y| - E|X - X'| / 2 over four times; nll, -log of
+    a Gaussian kernel density (Silverman's bandwidth, at least ``floor``; 0.1 % uniform over ``area``) there; cover50,
+    cover90, whether what came lies where the density is among the highest half, or nine tenths, of the samples' own.
+    One sample (K = 1) is a point: nll and coverage are NaN.
     """
     parts = [
-        _of_chunk(samples[i : i + _CHUNK], came[i : i + _CHUNK], floor, area) for i in range(0, len(samples), _CHUNK)
+        _of_chunk(samples[i : i + _CHUNK], came[i : i + _CHUNK], floor, area, scored)
+        for i in range(0, len(samples), _CHUNK)
     ]
     return np.concatenate(parts) if parts else np.zeros((0, len(SCORES)))
 
 
-def _of_chunk(samples: FloatArray, came: FloatArray, floor: float, area: float) -> FloatArray:
+def _of_chunk(samples: FloatArray, came: FloatArray, floor: float, area: float, scored: int | None) -> FloatArray:
     point = samples[:, 0] if samples.shape[1] == 1 else spatial_median(samples, axis=1, rounds=_ROUNDS)
     error = np.abs(point - came)
+    samples = samples[:, :scored]
     best = np.abs(samples[:, :BEST_OF] - came[:, None])
     densities = [_density(samples[:, :, t], came[:, t], floor, area) for t in at_times(came.shape[1])]
     best_mean, best_end = best.mean(axis=2).min(axis=1), best[:, :, -1].min(axis=1)

@@ -128,8 +128,8 @@ class ForwardModel(displays.Displayed, WritableModel):
         backoff: of "previous_gait", rows > 0 that P(effect | Gait), smoothed by the prior, is worth in each
             P(effect | Gait, PreviousGait), by default 5.0; mean poses lean likewise. None: the prior alone.
         residual_of: "unicycle": the motion that a gait's command asks for is fitted, and the tables count what it
-            misses, on bins of their own that the rows choose; ``axes`` are then those of :attr:`binned`. The gaits
-            need commands, or the table columns command_0, ...; later updates keep the motion. None: the poses.
+            misses, on bins of their own; ``axes`` are those of :attr:`binned`. The gaits need commands, or the table
+            command_0, ...; updates keep the motion. With "previous_gait" it lags behind its commands. None: the poses.
         effects: ["Distance", "Angle", "Heading", "Energy"], in any order, makes the column energy [J] a node that
             depends on what causes the others, in bins of ``axes.energy`` or of the highest held-out density.
 
@@ -145,7 +145,7 @@ class ForwardModel(displays.Displayed, WritableModel):
         if residual_of is not None:
             if grid.energy is not None:
                 raise InputError("effects: tables of residuals have no Energy; leave it or residual_of out")
-            found = residual_tables(frame, repertoire, grid, residual_of)
+            found = residual_tables(frame, repertoire, grid, residual_of, lags=depends_on_previous(structure))
             inner = cls.fit(found.table, found.residuals.gaits, prior, axes=found.residuals.axes, gait_prior=gait_prior,
                             structure=structure, backoff=backoff)  # fmt: skip
             return cls.over(found.source(inner.source), inner.provenance, (frame,))

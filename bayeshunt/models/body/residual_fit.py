@@ -42,20 +42,22 @@ class ResidualFit(NamedTuple):
 
 
 def residual_tables(
-    frame: pd.DataFrame, gaits: GaitRepertoire, grid: EffectAxes, residual_of: str | Residuals
+    frame: pd.DataFrame, gaits: GaitRepertoire, grid: EffectAxes, residual_of: str | Residuals, *, lags: bool = False
 ) -> ResidualFit:
     """Fit the motion and choose the bins of what it misses, unless ``residual_of`` is one that was fitted.
+
+    lags: the motion lags behind its commands, for tables that depend on the gait before.
 
     Raises DataError for a table that is none or a gait without a command, InputError for an unknown motion.
     """
     babbling_table.validate(frame, gaits.names)
     if isinstance(residual_of, Residuals):
-        residuals = residual_of
+        residuals = residual_of.after(None)
     elif residual_of == UNICYCLE:
         known = None
         with contextlib.suppress(BayesHuntError):  # a table may say nothing of its robot
             known = recorded_gaits(frame)
-        residuals = Residuals.fit(frame, with_commands(gaits, frame, known))
+        residuals = Residuals.fit(frame, with_commands(gaits, frame, known), lags=lags)
     else:
         hint = did_you_mean(str(residual_of), [UNICYCLE])
         raise InputError(f"residual_of: unknown motion {residual_of!r}{hint}")

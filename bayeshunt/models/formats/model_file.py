@@ -41,8 +41,10 @@ __all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "lo
 KIND = "bayeshunt forward model"
 #: The command that makes one.
 MAKER = "bayeshunt fit babbling.parquet"
-#: Newest version of the layout of ``content``: Energy is a node, whose bins and counts it holds.
-FORMAT = 6
+#: Newest version of the layout of ``content``: the motion whose residuals it counts lags behind its commands.
+FORMAT = 7
+#: Energy is a node, whose bins and counts it holds.
+_FORMAT_WITH_ENERGY = 6
 #: Tables of what a motion misses, with the motion and the poses' counts.
 _FORMAT_WITH_RESIDUALS = 5
 #: Tables with back-off, whose strength it holds.
@@ -52,7 +54,7 @@ _FORMAT_WITH_PREVIOUS = 3
 #: What a model that does not depend on the gait before is written in, so that older programs can read it.
 _FORMAT_WITHOUT_PREVIOUS = 2
 #: Layouts that can be read: format 1 had no "structure" and held the paper's.
-READABLE = (1, 2, 3, 4, 5, 6)
+READABLE = (1, 2, 3, 4, 5, 6, 7)
 
 _RECORD = RecordKind(KIND, MAKER, READABLE)
 
@@ -125,8 +127,10 @@ def loads(text: str, name: str = "model") -> Stored:
 
 def _version(tables: CountedTables | ContextTables | ResidualTables) -> int:
     """The oldest format that can say everything, so that older programs can read the file."""
-    if tables.axes.energy is not None:
+    if isinstance(tables, ResidualTables) and tables.residuals.motion.lags:
         return FORMAT
+    if tables.axes.energy is not None:
+        return _FORMAT_WITH_ENERGY
     if isinstance(tables, ResidualTables):
         return _FORMAT_WITH_RESIDUALS
     if tables.backoff is not None:
@@ -183,6 +187,7 @@ def _residual_record(tables: ResidualTables) -> dict[str, Any]:
     return {
         "residual_of": {
             "motion": UNICYCLE, "forward": list(motion.forward), "left": list(motion.left),
+            **({"lag": list(motion.lag)} if motion.lags else {}),
             "axes": {axis.name: _axis_record(axis) for axis in axes},
         },
         "outcomes": _counts_record(tables.seen),
@@ -268,7 +273,10 @@ def _energy_counts(content: Any, dimensions: int, shape: tuple[int, ...]) -> np.
 def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
     if record["motion"] != UNICYCLE:
         raise ValueError(f"residual_of: unknown motion {record['motion']!r}")
-    motion = Unicycle(*(tuple(float(v) for v in record[name]) for name in ("forward", "left")))
+    speed, turn = (float(v) for v in record.get("lag", (0.0, 0.0)))
+    if not (speed >= 0 and turn >= 0):
+        raise ValueError(f"residual_of: the lag is {record['lag']}")
+    motion = Unicycle(*(tuple(float(v) for v in record[name]) for name in ("forward", "left")), (speed, turn))
     if {len(gait.command) for gait in gaits} != {len(motion.forward)} or len(motion.left) != len(motion.forward):
         raise ValueError("residual_of: the motion has other actuators than the gaits")
     return Residuals(motion, gaits, _axes(record["axes"]))

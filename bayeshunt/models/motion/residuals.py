@@ -18,6 +18,7 @@ from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.data import babbling_table
 from bayeshunt.data.logs import command_columns
 from bayeshunt.models.counting.auto_axes import auto_axes
+from bayeshunt.models.counting.previous import previous_codes
 from bayeshunt.models.motion.unicycle import Unicycle
 
 __all__ = ["UNICYCLE", "Residuals", "added", "missed", "with_commands"]
@@ -44,26 +45,38 @@ class Residuals:
     """The motion that commands ask for, the gaits whose commands they are, and the bins of what it misses.
 
     motion: fitted to rows. gaits: each with its command. axes: bins of the residuals; as for poses, the distance grows.
+    before: the gait before, where the motion lags and it is known.
     """
 
     motion: Unicycle
     gaits: GaitRepertoire
     axes: EffectAxes
+    before: str | None = None
 
     @classmethod
-    def fit(cls, frame: pd.DataFrame, gaits: GaitRepertoire) -> Residuals:
+    def fit(cls, frame: pd.DataFrame, gaits: GaitRepertoire, *, lags: bool = False) -> Residuals:
         """Fit the motion to a babbling table and choose bins for what it misses.
 
+        lags: with the lag of what was commanded before; the table then says which gait went before each row.
         Raises DataError where a gait has no command, or there are too few rows.
         """
         outcomes = Polar(*(frame[name].to_numpy(dtype=float) for name in _EFFECTS))
-        made = cls(Unicycle.fit(_commands(frame, gaits), outcomes), gaits, EffectAxes.standard(1.0))
+        before = _before(frame, gaits) if lags else None
+        made = cls(Unicycle.fit(_commands(frame, gaits), outcomes, before), gaits, EffectAxes.standard(1.0))
         return replace(made, axes=auto_axes(made.of(frame), gaits))
+
+    def after(self, before: str | None) -> Residuals:
+        """Return the same after one gait; None: not known."""
+        return replace(self, before=before) if self.motion.lags else self
 
     def of_gait(self, gait: int, points: int = 1) -> Polar[FloatArray]:
         """Return the poses [points] after equal parts of one gait; the last is its end."""
-        parts = np.arange(1, points + 1)[:, None] / points
-        return self.motion.predict(parts * np.array(self.gaits[gait].command))
+        parts = np.arange(1, points + 1) / points
+        told = np.array(self.gaits[gait].command)
+        if self.before is None or not self.motion.lags:
+            return self.motion.predict(parts[:, None] * told)
+        both = (np.tile(command, (points, 1)) for command in (told, self.gaits[self.gaits.index(self.before)].command))
+        return self.motion.predict(*both, parts)
 
     def of(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Return a babbling table whose poses, part-way ones too, are what the motion of each row's command misses.
@@ -71,14 +84,20 @@ class Residuals:
         A row's command is in its columns command_0, ...; in a table without them it is that of its gait.
         """
         commands, path = _commands(frame, self.gaits), babbling_table.path_columns(frame.columns)
+        before = _before(frame, self.gaits) if self.motion.lags else None
         table = frame.copy()
         points = len(path) // 3 + 1
         for point in range(1, points):
             names = path[3 * point - 3 : 3 * point]
             came = Polar.from_cartesian(*(frame[name].to_numpy(dtype=float) for name in names))
-            gap = missed(self.motion.predict(commands * (point / points)), came)
+            asked = (
+                self.motion.predict(commands * (point / points))
+                if before is None
+                else self.motion.predict(commands, before, point / points)
+            )
+            gap = missed(asked, came)
             table[names] = np.column_stack([gap.forward, gap.right, gap.heading])
-        end = missed(self.motion.predict(commands), Polar(*(frame[n].to_numpy(dtype=float) for n in _EFFECTS)))
+        end = missed(self.motion.predict(commands, before), Polar(*(frame[n].to_numpy(dtype=float) for n in _EFFECTS)))
         table[_EFFECTS] = np.column_stack(end)
         return table
 
@@ -107,6 +126,13 @@ def with_commands(gaits: GaitRepertoire, frame: pd.DataFrame, known: GaitReperto
     if len(lengths := {len(gait.command) for gait in made}) > 1:
         raise InputError(f"residuals need commands of one length; the gaits have {sorted(lengths)} actuators")
     return GaitRepertoire(made, body_length=gaits.body_length, duration=gaits.duration)
+
+
+def _before(frame: pd.DataFrame, gaits: GaitRepertoire) -> FloatArray:
+    """Commands [N, A] of the gait before each row, NaN where none was: a row tells all, so that order never matters."""
+    codes = previous_codes(frame, gaits)
+    values: FloatArray = np.array([gait.command for gait in gaits])[np.maximum(codes, 0)]
+    return np.where(codes[:, None] >= 0, values, np.nan)
 
 
 def _commands(frame: pd.DataFrame, gaits: GaitRepertoire) -> FloatArray:

@@ -94,12 +94,35 @@ class ResidualTables(TableSource):
 
         Of rows without part-way poses: as if the residual of the end grew evenly.
         """
-        gaps = self.inner.mean_paths
-        if gaps is None:
-            gaps = np.stack([self._growing(gait) for gait in range(len(self.gaits))])
-        paths = np.stack([self._moved(gait, gaps[gait]) for gait in range(len(self.gaits))])
+        if self._summed:
+            paths = self._over_befores([part.mean_paths for part in self._parts])
+        else:
+            gaps = self.inner.mean_paths
+            if gaps is None:
+                gaps = np.stack([self._growing(gait) for gait in range(len(self.gaits))])
+            paths = np.stack([self._moved(gait, gaps[gait]) for gait in range(len(self.gaits))])
         paths.setflags(write=False)
         return paths
+
+    @property
+    def _summed(self) -> bool:
+        """Whether the motion lags behind a gait that is not known: it is summed over."""
+        return self.residuals.motion.lags and isinstance(self.inner, ContextTables)
+
+    @cached_property
+    def _parts(self) -> list[TableSource]:
+        """The tables after each gait."""
+        return [self.given({PREVIOUS: name}) for name in self.gaits.names]
+
+    def _over_befores(self, poses: list[Any]) -> np.ndarray:
+        """Mean poses [..., 3] of those after each gait [G, ..., 3], by P(PreviousGait); the heading's mean is circular.
+
+        A gait may have gone before none: parts lean on all rows, so that each has poses.
+        """
+        each = np.stack(poses)
+        turned = np.stack([*np.moveaxis(each[..., :2], -1, 0), np.cos(each[..., 2]), np.sin(each[..., 2])])
+        forward, right, cosine, sine = np.tensordot(self.causes[PREVIOUS], turned, axes=(0, 1))
+        return np.stack([forward, right, np.arctan2(sine, cosine)], axis=-1)
 
     def _growing(self, gait: int) -> np.ndarray:
         """Residuals [P + 1, 3] that grow evenly to the mean one; 0 for a gait without rows."""
@@ -109,6 +132,8 @@ class ResidualTables(TableSource):
 
     def mean_pose(self, gait: int) -> np.ndarray:
         """Return the end of the gait's own arc with its mean residual, [3]."""
+        if self._summed:
+            return self._over_befores([part.mean_pose(gait) for part in self._parts])
         pose: np.ndarray = self._moved(gait, self.inner.mean_pose(gait)[None])[-1]
         return pose
 
@@ -120,7 +145,21 @@ class ResidualTables(TableSource):
 
     def draw(self, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
         """Return poses [...]: residuals drawn from the tables beside the end of the gait's own arc."""
+        if self._summed:
+            return self._draw_after_any(gait, uniforms)
         return added(self.residuals.of_gait(gait), super().draw(gait, uniforms))
+
+    def _draw_after_any(self, gait: int, uniforms: np.ndarray) -> Polar[FloatArray]:
+        """Poses [...] after gaits drawn by P(PreviousGait): the first number draws it, what is left of it goes on."""
+        reach = np.concatenate([[0.0], np.cumsum(self.causes[PREVIOUS])])
+        before = np.clip(np.searchsorted(reach, uniforms[..., 0], side="right") - 1, 0, len(self.gaits) - 1)
+        found = np.empty((3, *before.shape))
+        for number in np.unique(before):
+            here = before == number
+            mine = uniforms[here].copy()
+            mine[..., 0] = ((mine[..., 0] - reach[number]) / (reach[number + 1] - reach[number])).clip(0, 1 - 1e-12)
+            found[:, here] = self._parts[number].draw(gait, mine)
+        return Polar(*found)
 
     def recast(self, rows: pd.DataFrame) -> pd.DataFrame:
         """Return the rows with their residuals instead of their poses."""
@@ -141,7 +180,7 @@ class ResidualTables(TableSource):
         if inner is self.inner or not isinstance(inner, CountedTables) or not isinstance(self.seen, PreviousCounts):
             return self
         part = self.seen.after[self.gaits.index(context[PREVIOUS])]
-        return ResidualTables(inner, self.residuals, part, self.seen.joint)
+        return ResidualTables(inner, self.residuals.after(context[PREVIOUS]), part, self.seen.joint)
 
     def log_likelihood(self, seen: JointCounts | PreviousCounts) -> float:
         """Return the sum over residuals counted of their log-probability; -inf if one is 0."""

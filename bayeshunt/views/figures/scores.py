@@ -14,7 +14,15 @@ from bayeshunt.views.figures.style import CHOSEN, FAINT, LINE, shorten, styled
 __all__ = ["forward_scores", "prey_scores"]
 
 #: Models that learn no table.
-_BASELINES = ("stays", "unicycle", "stands", "constant_velocity", "constant_velocity_noise", "autoregression")
+_BASELINES = (
+    "stays",
+    "unicycle",
+    "unicycle_lag",
+    "stands",
+    "constant_velocity",
+    "constant_velocity_noise",
+    "autoregression",
+)
 
 
 @styled

@@ -56,6 +56,10 @@ def _facts(model: ForwardModel) -> list[tuple[str, object]]:
         return [("gaits", len(model.gaits)), ("bins", bins), ("counts and intervals", "unknown")]
     motion = model.source.residual_of
     beside = [] if motion is None else [("tables of", f"what the fitted {motion} misses; drawn: the poses it gives")]
+    residuals = model.source.residuals
+    if residuals is not None and residuals.motion.lags:
+        speed, turning = residuals.motion.lag
+        beside += [("lags behind its commands", f"{speed:.2g} of a gait in speed, {turning:.2g} in turning")]
     return [
         *beside,
         ("gaits", len(model.gaits)),
