@@ -18,7 +18,8 @@ def recordings(monkeypatch):
 
 
 def test_a_target_is_met_at_or_below_it(recordings) -> None:
-    rows = [recordings.line("a", 0.31, 0.31, 0.3, 0.32, 9, "m"), recordings.line("b", 0.32, 0.31), recordings.line("c", 1.0, None)]  # fmt: skip
+    figures = (("a", 0.31, 0.31, 0.3, 0.32, 9, "m"), ("b", 0.32, 0.31), ("c", 1.0, None))
+    rows = [recordings.line(*figure) for figure in figures]
     assert [row["met"] for row in rows] == [True, False, None]
     lines = recordings.report({"part": rows}).splitlines()
     assert lines[2:] == [

@@ -75,8 +75,8 @@ class Residuals:
         told = np.array(self.gaits[gait].command)
         if self.before is None or not self.motion.lags:
             return self.motion.predict(parts[:, None] * told)
-        both = (np.tile(command, (points, 1)) for command in (told, self.gaits[self.gaits.index(self.before)].command))
-        return self.motion.predict(*both, parts)
+        before = np.array(self.gaits[self.gaits.index(self.before)].command)
+        return self.motion.predict(np.tile(told, (points, 1)), np.tile(before, (points, 1)), parts)
 
     def of(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Return a babbling table whose poses, part-way ones too, are what the motion of each row's command misses.
