@@ -276,7 +276,8 @@ def _residuals(record: Any, gaits: GaitRepertoire) -> Residuals:
     speed, turn = (float(v) for v in record.get("lag", (0.0, 0.0)))
     if not (speed >= 0 and turn >= 0):
         raise ValueError(f"residual_of: the lag is {record['lag']}")
-    motion = Unicycle(*(tuple(float(v) for v in record[name]) for name in ("forward", "left")), (speed, turn))
+    forward, left = (tuple(float(v) for v in record[name]) for name in ("forward", "left"))
+    motion = Unicycle(forward, left, (speed, turn))
     if {len(gait.command) for gait in gaits} != {len(motion.forward)} or len(motion.left) != len(motion.forward):
         raise ValueError("residual_of: the motion has other actuators than the gaits")
     return Residuals(motion, gaits, _axes(record["axes"]))
