@@ -12,6 +12,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Seed, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.units import length
 
 TimeStep = Annotated[float | None, typer.Option(help="A log: seconds of one window, the time that a gait is held.")]
 Gaits = Annotated[
@@ -188,6 +189,7 @@ def _length_unit(table: Any) -> str:
 
 def _said(facts: dict[str, Any], records: list[dict[str, Any]]) -> str:
     unit, out = facts["unit"], shlex.quote(facts["out"])
+    step = length(facts["median_step"]) if unit == "m" else f"{facts['median_step']:.3g} {unit}"
     lines = [f"{r['file']}: read as {r['reader']}; " + "; ".join(r["notes"]) + _claimed(r) for r in records]
     lines += [f"{r['file']}: left out {n} rows: {why}" for r in records for why, n in r["dropped"].items()]
     smooth = "smoothed" if facts["smoothed"] else "not smoothed"
@@ -195,10 +197,9 @@ def _said(facts: dict[str, Any], records: list[dict[str, Any]]) -> str:
         f"{facts['out']}: {facts['rows']} rows of {facts['ids']} individuals, {facts['gaps']} gaps, "
         f"{facts['time_step']:.4g} s from row to row",
         f"standing {100 * facts['standing']:.0f} % of the steps; median step of the others "
-        f"{facts['median_step']:.3g} {unit}; the tracks look {smooth} (roughness {facts['roughness']:.2f})",
-        f"suggested: time-step {facts['suggested_time_step']:g} s, distance bins of {facts['suggested_bin']:g} {unit}, "
-        f"{facts['suggested_turns']} bins of a turn",
-        f"next: bayeshunt prey fit {out} --out prey.json",
+        f"{step}; the tracks look {smooth} (roughness {facts['roughness']:.2f})",
+        f"suggested: a time-step of {facts['suggested_time_step']:g} s, steps of five times the jitter or more",
+        f"next: bayeshunt prey fit {out} --time-step {facts['suggested_time_step']:g} --out prey.json",
     ]
     return "\n".join(lines)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 
-__all__ = ["bounds", "degrees", "label", "length", "objective", "speed", "theta", "true_minus"]
+__all__ = ["bounds", "degrees", "in_unit", "label", "length", "objective", "speed", "theta", "true_minus"]
 
 _BIN_IN_DEGREES = re.compile(r"(-?[\d.]+) deg")
 
@@ -22,6 +22,14 @@ def length(metres: float) -> str:
     if abs(metres) >= 0.9995:
         return f"{metres:.3g} m"
     return f"{1000 * metres:.0f} mm" if abs(metres) >= 0.01 else f"{1000 * metres:.2g} mm"
+
+
+def in_unit(largest: float, unit: str = "m") -> tuple[float, str]:
+    """Return how a column of lengths is shown whose largest is given: times what, and the unit: (1000.0, "mm").
+
+    Metres below one are millimetres; other units (px, body lengths) stay.
+    """
+    return (1000.0, "mm") if unit == "m" and abs(largest) < 0.9995 else (1.0, unit)
 
 
 def degrees(radians: float, digits: int = 0) -> str:

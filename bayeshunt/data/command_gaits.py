@@ -153,7 +153,16 @@ def _named(codes: np.ndarray, centres: np.ndarray) -> NamedGaits:
 
 def _names(centres: Sequence[Sequence[float]]) -> list[str]:
     for digits in range(2, 17):
-        names = ["/".join(f"{value + 0.0:+.{digits}g}" for value in centre) for centre in centres]
+        names = ["/".join(_number(value, digits) for value in centre) for centre in centres]
         if len(set(names)) == len(names):
             return names
     return [f"gait_{i:03d}" for i in range(len(centres))]
+
+
+def _number(value: float, digits: int) -> str:
+    """A signed number without an exponent wherever one can read it: "+112", "-0.00002"; at least ``digits`` digits."""
+    text = f"{value + 0.0:+.{digits}g}"
+    if "e" not in text or not 1e-9 < abs(value) < 1e15:
+        return text
+    whole = len(f"{abs(value):.0f}")
+    return np.format_float_positional(value, max(digits, whole), unique=False, fractional=False, trim="-", sign=True)

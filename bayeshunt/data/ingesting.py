@@ -15,9 +15,11 @@ from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data import babbling_table
 from bayeshunt.data.log_columns import find_columns, lengths, radians_of
 from bayeshunt.data.logs import read_log, read_table
+from bayeshunt.data.plausibility import warn_body_length
 from bayeshunt.data.segmenting import gaits_from_log, gaits_from_windows
 from bayeshunt.data.text_tables import as_numbers, read_bytes
 from bayeshunt.data.track_report import round_down
+from bayeshunt.data.tracks import COLUMNS as TRACKS
 from bayeshunt.files.parquet import PROVENANCE_KEY
 
 __all__ = ["Held", "LogOptions", "babbling_from", "needs_ingesting"]
@@ -76,6 +78,10 @@ def babbling_from(paths: Sequence[str | os.PathLike[str]], options: LogOptions) 
         tables = [read_table(path) for path in paths]
     except DataError as error:
         raise DataError(f"{error}; or give a table made by: bayeshunt babble") from None
+    for path, table in zip(paths, tables, strict=True):
+        if set(TRACKS) <= set(table.columns):
+            raise DataError(f"{os.fspath(path)}: tracks of people or animals, not of a robot's gaits; "
+                            "give them to bayeshunt prey fit")  # fmt: skip
     if all(set(babbling_table.COLUMNS) <= set(table.columns) for table in tables):
         frames = [_numbered(table, os.fspath(path)) for table, path in zip(tables, paths, strict=True)]
         return _with_repertoire(pd.concat(frames, ignore_index=True), options, [Path(p).name for p in paths])
@@ -158,6 +164,7 @@ def _with_repertoire(frame: pd.DataFrame, options: LogOptions, names: list[str])
     """The table with a record of its gaits, in the order in which they first appear."""
     body = options.body_length
     reach = float(np.median(frame["distance"]))
+    warn_body_length(body, float(frame["distance"].max()))
     frame.attrs[PROVENANCE_KEY] = {
         "repertoire": {
             "gaits": [{"name": name, "command": []} for name in dict.fromkeys(frame["gait"])],

@@ -11,12 +11,14 @@ from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import warn
 from bayeshunt.core.gaits import GaitRepertoire
 
-__all__ = ["warn_implausible"]
+__all__ = ["warn_body_length", "warn_implausible", "warn_time_step"]
 
 #: More distance bins than this are finer than any gait needs.
 _MOST_BINS = 1000
 #: A gait may carry the body this many times as far as its command says: noise, and bodies that roll on.
 _SLACK = 2.0
+#: A body is hardly this many times as long as its farthest gait, and a gait hardly lasts so many seconds.
+_MOST_BODY, _LONGEST = 20.0, 100.0
 
 
 def warn_implausible(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxes, *, source: str = "table") -> None:
@@ -46,6 +48,21 @@ def warn_implausible(frame: pd.DataFrame, gaits: GaitRepertoire, axes: EffectAxe
                 f"{source}: {column} goes to {np.abs(angles).max():g} rad, beyond half a turn; if the column is "
                 f"in degrees, convert it: numpy.radians(frame[{column!r}]); else wrap it to (-pi, pi]"
             )
+
+
+def warn_body_length(body_length: float | None, farthest: float) -> None:
+    """Issue a DataWarning if no gait of a log goes beyond a twentieth of the body length [m] given for it."""
+    if body_length is not None and 0 < _MOST_BODY * farthest < body_length:
+        warn(
+            f"body_length: {body_length:g} m, but no gait goes beyond {farthest:.3g} m, which is less than one "
+            f"distance bin; if it is in millimetres, give {body_length / 1000:g}"
+        )
+
+
+def warn_time_step(seconds: float) -> None:
+    """Issue a DataWarning if a gait, or a step of tracks, is said to last 100 s or more."""
+    if seconds >= _LONGEST:
+        warn(f"time_step: one of {seconds:g} s; if it is in milliseconds, give {seconds / 1000:g}")
 
 
 def _odd(angles: np.ndarray) -> bool:

@@ -18,6 +18,7 @@ from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.core.geometry import wrap
 from bayeshunt.data.command_gaits import AUTO, HELD, NamedGaits, gaits_of_commands, is_column
 from bayeshunt.data.logs import command_columns
+from bayeshunt.data.plausibility import warn_body_length, warn_time_step
 from bayeshunt.data.text_tables import as_numbers
 from bayeshunt.data.track_report import round_down
 from bayeshunt.files.parquet import PROVENANCE_KEY
@@ -139,6 +140,7 @@ def _time_step(value: float | None) -> float:
     step = check_number(value, "time_step", "the seconds of one window")
     if step <= 0:
         raise InputError(f"time_step: expected the seconds of one window, > 0, got {value}")
+    warn_time_step(step)
     return step
 
 
@@ -262,6 +264,7 @@ def _with_record(
     body = round_down(max(reach, 1e-6)) if body_length is None else check_number(body_length, "body_length", "metres")
     if not body > 0:
         raise InputError(f"body_length: expected metres > 0, got {body_length}")
+    warn_body_length(body_length, float(np.hypot(moved[:, 0], moved[:, 1]).max()))
     before = attrs.get(PROVENANCE_KEY, {})
     turned = np.abs(moved[:, 2])
     warn = ["warning: windows turn by more than a turn and a half: are the headings in degrees?"]

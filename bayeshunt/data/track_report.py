@@ -22,8 +22,8 @@ class TrackReport(NamedTuple):
     time_step: seconds from row to row. standing: share of steps below a tenth of the median one.
     median_step: of those that move. roughness: mean change of acceleration over mean change of speed: near 2 in
         tracks with independent errors, below 0.7 in tracks that were smoothed. smoothed: whether it is below.
-    suggested_time_step: seconds: steps of at least five times the jitter. suggested_bin: of Distance, a tenth of a
-        step. suggested_turns: bins of Angle and Heading.
+    suggested_time_step: seconds: steps of at least five times the jitter. suggested_bin: of Distance, a tenth of such a
+        step, but not finer than the jitter of a place. suggested_turns: bins of Angle and Heading.
     """
 
     ids: int
@@ -57,7 +57,7 @@ def track_report(tracks: pd.DataFrame) -> TrackReport:
         ids=ids, rows=len(tracks), runs=len(found), gaps=max(len(found) - ids, 0), time_step=native,
         standing=float((steps < STANDING_SHARE * middle).mean()), median_step=middle, roughness=roughness,
         smoothed=bool(roughness < 0.7), suggested_time_step=round(times * native, 6),
-        suggested_bin=round_down(times * middle / 10), suggested_turns=72,
+        suggested_bin=round_down(max(times * middle / 10, jitter)), suggested_turns=72,
     )  # fmt: skip
 
 

@@ -240,7 +240,9 @@ def _times(
     if rate is None:
         if "time" not in frame or not np.isfinite(frame["time"].to_numpy()).all():
             said = f"; the file says {float(claimed):g} per second" if claimed else ""
-            raise InputError(f"{source}: rate is not given (rows per second){said}; real files lie, so say it: rate=")
+            raise InputError(f"{source}: rate is not given (rows per second){said}; real files lie, so say it: "
+                             "rate= (--rate); or, if a column holds seconds, name it: columns={'time': ...} "
+                             "(--columns time=NAME)")  # fmt: skip
         return frame["time"].to_numpy(), ["time as the file has it, in seconds"]
     number = check_number(rate, "rate", "rows per second, > 0")
     if number <= 0:
@@ -277,6 +279,8 @@ def validate(frame: Any, source: str = "tracks") -> None:
     """Raise DataError unless ``frame`` is a table of tracks: id, time, x and y, finite."""
     if not isinstance(frame, pd.DataFrame):
         raise DataError(f"{source}: expected a pandas DataFrame of tracks, got {type(frame).__name__}")
+    if {"gait", "distance", "angle"} <= set(frame.columns) and "id" not in frame:
+        raise DataError(f"{source}: a babbling table of a robot, not tracks; give it to bayeshunt fit")
     for column in ("id", "time", "x", "y"):
         if column not in frame:
             raise DataError(f"{source}: column {column!r} is missing; bayeshunt.read_tracks makes such tables")

@@ -103,3 +103,13 @@ def test_the_notebook_runs_from_start_to_end(name):
     NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(FOLDER)}}).execute()
     right = str(notebook).count("right. ")
     assert right == (7 if name == "solutions" else 0)
+
+
+@pytest.mark.parametrize("name", ["exercises", "solutions"])
+def test_a_notebook_without_its_checks_says_where_they_are(name, monkeypatch):
+    cell = next(c for c in nbformat.read(FOLDER / f"{name}.ipynb", as_version=4).cells if c.cell_type == "code")
+    lines = cell.source.splitlines()
+    first = lines.index("try:")
+    monkeypatch.setitem(sys.modules, "checks", None)
+    with pytest.raises(ModuleNotFoundError, match="must lie beside this notebook; copy it from notebooks/teaching"):
+        exec("\n".join(lines[first : first + 4]), {})

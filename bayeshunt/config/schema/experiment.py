@@ -19,6 +19,9 @@ from bayeshunt.core.geometry import Polar, Pose
 
 __all__ = ["ExperimentSettings"]
 
+#: A gait that lasts this many times as long as a hunt is one in other units.
+_LONGEST_GAIT = 10.0
+
 
 class ExperimentSettings(ShownSettings):
     """Everything one evaluation needs."""
@@ -96,6 +99,12 @@ class ExperimentSettings(ShownSettings):
 
         theta: the prey's first bearing [rad, clockwise]; by default all those of the protocol.
         """
+        held, limit = self.robot.gait_duration, self.protocol.time_limit
+        if held > _LONGEST_GAIT * limit:
+            raise ConfigError(
+                f"robot.gait_duration: {held:g} s, but a hunt ends after {limit:g} s; if it is in milliseconds, "
+                f"give {held / 1000:g}"
+            )
         if not isinstance(name, str) or name not in self.arenas:
             raise ConfigError(f"unknown arena {name!r}{did_you_mean(name, self.arenas)}")
         arena = self.arenas[name]

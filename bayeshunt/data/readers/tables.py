@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.core.errors import DataError, InputError, did_you_mean
 from bayeshunt.data.readers.registry import Found
 from bayeshunt.data.text_tables import as_numbers, read_text_table, same_name, says_unit
 from bayeshunt.files import parquet
@@ -83,9 +83,11 @@ def guess_columns(names: list[str], given: Mapping[str, str], source: str) -> di
     """
     for meaning, name in given.items():
         if meaning not in _NAMES:
-            raise InputError(f"columns: unknown meaning {meaning!r}; expected one of {', '.join(_NAMES)}")
+            raise InputError(f"columns: unknown meaning {meaning!r}; expected one of {', '.join(_NAMES)}"
+                             f"{did_you_mean(meaning, _NAMES, listed=False)}")  # fmt: skip
         if name not in names:
-            raise DataError(f"{source}: column {name!r} is missing; the table has {', '.join(map(str, names))}")
+            raise DataError(f"{source}: column {name!r} is missing; the table has {', '.join(map(str, names))}"
+                            f"{did_you_mean(name, names, listed=False)}")  # fmt: skip
     plain = {same_name(name): name for name in reversed(names)}
     found = {meaning: given[meaning] for meaning in _NAMES if meaning in given}
     for meaning, known in _NAMES.items():

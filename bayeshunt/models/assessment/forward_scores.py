@@ -93,7 +93,8 @@ def _commands(frame: pd.DataFrame, gaits: Any, models: Sequence[str]) -> FloatAr
 def _folds(frame: pd.DataFrame, folds_by: str | None, folds: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Group [N] and fold [N] of each row; whole groups are in one fold."""
     if folds_by is not None and folds_by not in frame:
-        raise DataError(f"table: column {folds_by!r} is missing; the table has {', '.join(map(str, frame.columns))}")
+        raise DataError(f"table: column {folds_by!r} is missing; the table has {', '.join(map(str, frame.columns))}"
+                        f"{did_you_mean(folds_by, frame.columns, listed=False)}")  # fmt: skip
     group = np.arange(len(frame)) if folds_by is None else pd.factorize(frame[folds_by])[0]
     groups = int(group.max()) + 1
     if groups < folds:

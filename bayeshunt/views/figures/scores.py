@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from bayeshunt.core.units import in_unit
 from bayeshunt.views.figures.style import CHOSEN, FAINT, LINE, shorten, styled
 
 __all__ = ["forward_scores", "prey_scores"]
@@ -27,16 +29,17 @@ _BASELINES = (
 
 @styled
 def forward_scores(table: pd.DataFrame) -> Figure:
-    """Return mean errors of position [m] and heading [°] with 95 % intervals, a row a model.
+    """Return mean errors of position and heading with 95 % intervals, a row a model.
 
     table: as ``score_forward`` returns it; models that could not be scored are left out.
     """
     known = table[table["n"] > 0].reset_index(drop=True)
     figure = Figure(figsize=(7.4, 0.9 + 0.34 * len(known)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    _dots(left, known, "position_m", "position_low", "position_high")
+    times, unit = in_unit(float(known["position_high"].max()))
+    _dots(left, known, "position_m", "position_low", "position_high", times)
     _dots(right, known, "heading_deg", "heading_low", "heading_high")
-    left.set_xlabel("mean error of the position [m]")
+    left.set_xlabel(f"mean error of the position [{unit}]")
     right.set_xlabel("mean error of the heading [°]")
     left.set_title(f"{int(known['n'].max())} windows, held out; bars: 95 %")
     return figure
@@ -50,18 +53,19 @@ def prey_scores(table: pd.DataFrame, unit: str) -> Figure:
     """
     figure = Figure(figsize=(7.4, 0.9 + 0.34 * len(table)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    _dots(left, table, "ade", "ade_low", "ade_high")
-    _dots(right, table, "fde", "fde_low", "fde_high")
+    times, unit = in_unit(float(np.nanmax(table[["ade_high", "fde_high"]])), unit)
+    _dots(left, table, "ade", "ade_low", "ade_high", times)
+    _dots(right, table, "fde", "fde_low", "fde_high", times)
     left.set_xlabel(f"mean error over the steps, ADE [{unit}]")
     right.set_xlabel(f"error of the last step, FDE [{unit}]")
     left.set_title(f"{int(table['n'].max())} windows of {int(table['individuals'].max())} individuals; bars: 95 %")
     return figure
 
 
-def _dots(axes: Axes, table: pd.DataFrame, mean: str, low: str, high: str) -> None:
+def _dots(axes: Axes, table: pd.DataFrame, mean: str, low: str, high: str, times: float = 1.0) -> None:
     places = np.arange(len(table))[::-1]
-    values = table[mean].to_numpy(dtype=float)
-    bars = np.clip(np.array([values - table[low], table[high] - values]), 0.0, None)
+    values, least, most = (times * table[name].to_numpy(dtype=float) for name in (mean, low, high))
+    bars = np.clip(np.array([values - least, most - values]), 0.0, None)
     colours = [FAINT if name in _BASELINES else CHOSEN for name in table["model"]]
     axes.hlines(places, 0, values, color=LINE, linewidth=1, zorder=1)
     for colour in (FAINT, CHOSEN):
@@ -69,10 +73,11 @@ def _dots(axes: Axes, table: pd.DataFrame, mean: str, low: str, high: str) -> No
         look: dict[str, Any] = {"fmt": "none", "ecolor": colour, "elinewidth": 1.4, "capsize": 3, "zorder": 2}
         axes.errorbar(values[mine], places[mine], xerr=bars[:, mine], **look)
     axes.scatter(values, places, color=colours, s=22, zorder=3)
-    for value, end, y in zip(values, np.asarray(table[high], dtype=float), places, strict=True):
+    for value, end, y in zip(values, most, places, strict=True):
         axes.annotate(f"{value:.3g}", (end, y), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7.5)
     axes.set_yticks(places, [shorten(str(name), 26).replace("_", " ") for name in table["model"]])
-    axes.set_xlim(0, float(np.nanmax(table[high])) * 1.16)
+    axes.set_xlim(0, float(np.nanmax(most)) * 1.16)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=4))  # so that no two numbers touch
     axes.set_ylim(-0.6, len(table) - 0.4)
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)

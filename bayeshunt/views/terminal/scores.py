@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
+from bayeshunt.core.units import in_unit
 from bayeshunt.views.terminal.terminal import out
 from bayeshunt.views.terminal.text_tables import TextTable, folding
 
@@ -44,8 +46,9 @@ def following_table(summary: pd.DataFrame, band: tuple[float, float]) -> None:
 
 def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
     """Print the table of ``score_forward``, a row a model."""
+    times, unit = in_unit(float(scores["position_high"].max()))
     table = TextTable(
-        folding("model", 20), "position m", "95 % interval", "heading °", "95 % interval",
+        folding("model", 20), f"position {unit}", "95 % interval", "heading °", "95 % interval",
         title=f"{int(scores['n'].max())} windows, held out",
     )  # fmt: skip
     for row in scores.to_dict("records"):
@@ -53,7 +56,8 @@ def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
             table.row(str(row["model"]), "not known", "", "", "")
             continue
         table.row(
-            str(row["model"]), f"{row['position_m']:.3f}", f"{row['position_low']:.3f} to {row['position_high']:.3f}",
+            str(row["model"]), _short(times * row["position_m"]),
+            f"{_short(times * row['position_low'])} to {_short(times * row['position_high'])}",
             f"{row['heading_deg']:.1f}", f"{row['heading_low']:.1f} to {row['heading_high']:.1f}",
         )  # fmt: skip
     table.print(out)
@@ -65,17 +69,21 @@ def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
 
 def scores_table(scores: pd.DataFrame, unit: str) -> None:
     """Print the table of ``score_prey``, a row a model; lengths in ``unit``."""
+    lengths = ["ade", "ade_low", "ade_high", "fde", "best20_ade", "best20_fde", "energy"]
+    times, shown = in_unit(float(np.nanmax(scores[lengths])), unit)
+    scores = scores.assign(**{name: times * scores[name] for name in lengths})
     table = TextTable(
-        folding("model", 23), f"ADE {unit}", "95 % interval", f"FDE {unit}", "best of 20", "energy", "nats", "covers %",
+        folding("model", 23), f"ADE {shown}", "95 % interval", f"FDE {shown}", "best of 20", "energy", "nats",
+        "covers %",
         title=f"{int(scores['n'].max())} windows of {int(scores['individuals'].max())} individuals",
     )  # fmt: skip
     for row in scores.to_dict("records"):
         sampled = not pd.isna(row["nll"])
         cover = f"{100 * row['cover50']:.0f}/{100 * row['cover90']:.0f}" if sampled else ""
-        interval = f"{row['ade_low']:.3g} to {row['ade_high']:.3g}"
+        interval = f"{_short(row['ade_low'])} to {_short(row['ade_high'])}"
         table.row(
-            str(row["model"]), f"{row['ade']:.3g}", interval, f"{row['fde']:.3g}",
-            f"{row['best20_ade']:.3g}/{row['best20_fde']:.3g}", f"{row['energy']:.3g}",
+            str(row["model"]), _short(row['ade']), interval, _short(row['fde']),
+            f"{_short(row['best20_ade'])}/{_short(row['best20_fde'])}", _short(row['energy']),
             f"{row['nll']:.2f}" if sampled else "", cover,
         )  # fmt: skip
     table.print(out)
@@ -84,4 +92,12 @@ def scores_table(scores: pd.DataFrame, unit: str) -> None:
         f"Windows overlap and frames depend on each other: intervals resample {resampled}, not windows.",
         style="dim",
     )
-    out.print("The point of a sampled forecast is its spatial median; covers: of the 50 and 90 % regions.", style="dim")
+    out.print(
+        "The point of a sampled forecast is its spatial median; covers: of the 50 and 90 % regions; "
+        f"nats: less the log of the density per {unit}².", style="dim",
+    )  # fmt: skip
+
+
+def _short(value: float) -> str:
+    """Three digits, and whole numbers from 100 on."""
+    return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}"
