@@ -161,8 +161,9 @@ def _names(centres: Sequence[Sequence[float]]) -> list[str]:
 
 def _number(value: float, digits: int) -> str:
     """A signed number without an exponent wherever one can read it: "+112", "-0.00002"; at least ``digits`` digits."""
-    text = f"{value + 0.0:+.{digits}g}"
-    if "e" not in text or not 1e-9 < abs(value) < 1e15:
+    value = value if abs(value) > 1e-9 else 0.0
+    text = f"{value:+.{digits}g}"
+    if "e" not in text or abs(value) > 1e15:
         return text
     whole = len(f"{abs(value):.0f}")
     return np.format_float_positional(value, max(digits, whole), unique=False, fractional=False, trim="-", sign=True)
