@@ -88,7 +88,7 @@ def test_the_next_line_takes_the_time_step_that_is_suggested(walk, bayeshunt) ->
     out, _ = bayeshunt("ingest", "tracks", "walk.csv", "--unit", "m", "--out", "again.parquet")
     assert "median step of the others 20 mm" in out
     assert "bayeshunt prey fit again.parquet --time-step 0.1 --out prey.json" in out
-    bayeshunt("prey", "fit", "again.parquet", "--time-step", "0.1", "--seen", "2", "--steps", "1", "--out", "p.json")
+    bayeshunt("prey", "fit", "again.parquet", "--time-step", "0.1", "--out", "prey.json")
 
 
 def test_small_lengths_are_shown_in_millimetres() -> None:
