@@ -53,7 +53,7 @@ def prey_scores(table: pd.DataFrame, unit: str) -> Figure:
     """
     figure = Figure(figsize=(7.4, 0.9 + 0.34 * len(table)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    times, unit = in_unit(float(np.nanmax(table[["ade_high", "fde_high"]])), unit)
+    times, unit = in_unit(float(np.nanmax(table[["ade_high", "fde_high"]].to_numpy(dtype=float))), unit)
     _dots(left, table, "ade", "ade_low", "ade_high", times)
     _dots(right, table, "fde", "fde_low", "fde_high", times)
     left.set_xlabel(f"mean error over the steps, ADE [{unit}]")

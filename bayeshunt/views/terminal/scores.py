@@ -70,7 +70,7 @@ def forward_table(scores: pd.DataFrame, folds_by: str | None) -> None:
 def scores_table(scores: pd.DataFrame, unit: str) -> None:
     """Print the table of ``score_prey``, a row a model; lengths in ``unit``."""
     lengths = ["ade", "ade_low", "ade_high", "fde", "best20_ade", "best20_fde", "energy"]
-    times, shown = in_unit(float(np.nanmax(scores[lengths])), unit)
+    times, shown = in_unit(float(np.nanmax(scores[lengths].to_numpy(dtype=float))), unit)
     scores = scores.assign(**{name: times * scores[name] for name in lengths})
     table = TextTable(
         folding("model", 23), f"ADE {shown}", "95 % interval", f"FDE {shown}", "best of 20", "energy", "nats",
