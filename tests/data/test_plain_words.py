@@ -9,7 +9,6 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.core.errors import ConfigError, DataError, DataWarning, InputError
 from bayeshunt.core.units import in_unit
-from bayeshunt.data.command_gaits import gaits_of_commands
 
 
 @pytest.fixture
@@ -43,8 +42,8 @@ def walk(tmp_path) -> str:
     ],
 )
 def test_gaits_are_named_by_numbers_that_can_be_read(commands, names) -> None:
-    found = gaits_of_commands(np.array(commands), 5, None, seed=0)
-    assert found.labels.tolist() == names
+    table = pd.DataFrame(commands, columns=["cmd_left", "cmd_right"]).assign(x=1.0, y=0.0, yaw=0.0)
+    assert bh.gaits_from_windows(table, time_step=1.0, gaits=5)["gait"].tolist() == names
 
 
 def test_a_body_in_millimetres_is_noticed(windows) -> None:

@@ -19,8 +19,8 @@ from bayeshunt.core.geometry import Polar, Pose
 
 __all__ = ["ExperimentSettings"]
 
-#: A gait that lasts this many times as long as a hunt is one in other units.
-_LONGEST_GAIT = 10.0
+#: A gait that lasts longer than this [s], and than ten hunts, is one in other units.
+_LONGEST_GAIT = 600.0
 
 
 class ExperimentSettings(ShownSettings):
@@ -100,7 +100,7 @@ class ExperimentSettings(ShownSettings):
         theta: the prey's first bearing [rad, clockwise]; by default all those of the protocol.
         """
         held, limit = self.robot.gait_duration, self.protocol.time_limit
-        if held > _LONGEST_GAIT * limit:
+        if held > max(_LONGEST_GAIT, 10 * limit):
             raise ConfigError(
                 f"robot.gait_duration: {held:g} s, but a hunt ends after {limit:g} s; if it is in milliseconds, "
                 f"give {held / 1000:g}"
