@@ -1,13 +1,13 @@
 """How much of our hunters' success survives a prey that learns to flee.
 
-``python -m benchmarks.fleeing [PREY ...] [--hunter NAME ...] [--runs 10] [--seed 0 ...] [--work FOLDER]
+``python -m benchmarks.fleeing [PREY ...] [--hunter NAME ...] [--runs 10] [--seed 0 ...] [--table FILE.csv]
 [--figure FILE.png] [--out FILE.json]``
 
-Prey learn by PPO on their side of ``hunt_v0``, each against one hunter; what they learned is in
+Prey learn by PPO, each against one hunter, 300,000 of its gaits, with three seeds; what they learned is in
 ``benchmarks/fleeing/preys/``, and a network of numpy runs it, so that this command needs neither torch nor
-stable-baselines3. A prey that is named and has no file is trained first (the extra ``rl``). Every hunter then meets
-every prey on the same hunts; those in the folder of --work are not hunted again, and more --runs hunt only the further
-ones.
+stable-baselines3. A prey that is named and has no file learns first (the extras ``rl`` and ``bench``). Every hunter
+then meets every prey on the same hunts. Rows that the table has with so many --runs, or more, are not made again: the
+same command goes on where it was stopped, and further prey or --runs add to the table.
 
 Columns: caught, 95 % Wilson interval, mean time (a miss counts 60 s).
 """
@@ -22,20 +22,28 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.experiments.scores import wilson_interval
-from benchmarks.fleeing.cells import HUNTERS, KNOWING, PREYS, Prey, cell
+from benchmarks.fleeing.cells import HUNTERS, KNOWING, PREYS, Cell, Prey, cell, learn
+
+#: The rows that are published.
+TABLE = Path(__file__).parents[1] / "results" / "fleeing.csv"
 
 
 def score(prey: Prey, hunter: str, given: argparse.Namespace) -> dict[str, Any] | None:
     """Return how a hunter fares against a prey; None for a pair that cannot be."""
-    parts = [cell(prey, hunter, seed, given.runs, given.work) for seed in given.seed]
-    ends = [end for part in parts for end in part or ()]
-    if not ends:
-        return None
-    times, caught = np.array([time for time, _ in ends]), sum(caught for _, caught in ends)
-    low, high = wilson_interval(caught, len(ends))
+    parts = [cell(prey, hunter, seed, given.runs, given.table) for seed in given.seed]
+    rows = [row for row in parts if row is not None]
+    return summed(rows) if rows else None
+
+
+def summed(rows: list[Cell]) -> dict[str, Any]:
+    """Return rows of one prey and one hunter as one."""
+    hunts, caught = sum(row.hunts for row in rows), sum(row.caught for row in rows)
+    mean = sum(row.time_s for row in rows) / hunts
+    variance = max(0.0, sum(row.square_s2 for row in rows) / hunts - mean * mean)
+    low, high = wilson_interval(caught, hunts)
     return {
-        "prey": prey.name, "hunter": hunter, "runs": len(ends), "caught": caught, "low": low, "high": high,
-        "mean_time_s": float(times.mean()), "standard_error_s": float(times.std() / len(times) ** 0.5),
+        "prey": rows[0].prey, "hunter": rows[0].hunter, "runs": hunts, "caught": caught, "low": low, "high": high,
+        "mean_time_s": mean, "standard_error_s": (variance / hunts) ** 0.5,
     }  # fmt: skip
 
 
@@ -80,9 +88,9 @@ def draw(found: list[dict[str, Any]], path: Path) -> None:
 def _said(name: str) -> str:
     """A prey's name as people read it."""
     prey = next(one for one in PREYS if one.name == name)
-    what = name.rpartition("_")[0]
-    kind = {"paper": "the preset's own", "evader": "evader that ships", "senses": "senses the hunter"}.get(what)
-    return f"{kind or f'learned to flee {what}'}, {prey.arena}"
+    kinds = {"paper": "the preset's own", "evader": "evader that ships", "senses": "senses the hunter"}
+    kind = f"learned to flee {prey.hunter}, {prey.seed}" if prey.hunter else kinds[name.rpartition("_")[0]]
+    return f"{kind}, {prey.arena}"
 
 
 def main() -> None:
@@ -93,7 +101,7 @@ def main() -> None:
     parser.add_argument("--hunter", action="append", choices=HUNTERS, help="by default all")
     parser.add_argument("--runs", type=int, default=10, help="per bearing and seed (10)")
     parser.add_argument("--seed", type=int, nargs="+", default=[0, 1, 2], help="by default 0 1 2")
-    parser.add_argument("--work", type=Path, default=Path("results/fleeing"), help="folder of hunts (results/fleeing)")
+    parser.add_argument("--table", type=Path, default=TABLE, help="rows so far (benchmarks/results/fleeing.csv)")
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--out", type=Path, help="write the figures as JSON into this file")
     given = parser.parse_args()
@@ -102,6 +110,8 @@ def main() -> None:
     print("| prey | hunter | caught | success | 95 % interval | mean time [s] |\n| --- | --- | --- | --- | --- | --- |")
     found = []
     for name in given.prey or [name for name, prey in known.items() if not prey.hunter or prey.file.exists()]:
+        if known[name].hunter and not known[name].file.exists():
+            learn(known[name])
         for hunter in given.hunter or HUNTERS:
             facts = score(known[name], hunter, given)
             if facts is not None:

@@ -74,7 +74,7 @@ class Constants(NamedTuple):
 class State(NamedTuple):
     """N hunts in progress, changed in place: [N, 2 robots, ...] unless said otherwise.
 
-    before: the prey's pose at the last decision [N, 3]. steps: physics steps taken [N]. gait: the last, -1: none [N].
+    before: the poses at the last decision. steps: physics steps taken [N]. gait: the last, -1: none [N].
     """
 
     pose: np.ndarray
@@ -86,14 +86,19 @@ class State(NamedTuple):
 
 
 class Batch:
-    """N hunts at once: ``observations = reset()``, then ``step(gaits)``; one that has ended begins anew by itself."""
+    """N hunts at once: ``observations = reset()``, then ``step(gaits)``; one that has ended begins anew by itself.
+
+    side: whose observations and rewards are told: 0 the hunter's, 1 the prey's, as ``hunt_v0`` tells them.
+    """
 
     def __init__(
-        self, arena: str, count: int, seed: int, *, reward: str = "shaped", changes: dict[str, Any] | None = None
-    ) -> None:
+        self, arena: str, count: int, seed: int, *, reward: str = "shaped", changes: dict[str, Any] | None = None,
+        side: int = _HUNTER,
+    ) -> None:  # fmt: skip
         settings = load_experiment("paper", changes)
         self.constants = Constants.of(settings, arena)
         self.gaits, self.count, self._shaped = len(settings.robot.gaits), count, reward == "shaped"
+        self._side = side
         self._commands = np.array([gait.command for gait in settings.robot.gaits.gaits])
         self._starts = np.array([settings.starting_poses(theta) for theta in settings.protocol.thetas], dtype=float)
         self.bounds = bounds(settings.robot.gaits)
@@ -101,7 +106,7 @@ class Batch:
         self._functions.seed(seed)
         shape = count, 2
         self.state = State(
-            np.zeros((*shape, 3)), np.zeros((*shape, 2)), np.zeros((*shape, 2)), np.zeros((count, 3)),
+            np.zeros((*shape, 3)), np.zeros((*shape, 2)), np.zeros((*shape, 2)), np.zeros((*shape, 3)),
             np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64),
         )  # fmt: skip
 
@@ -121,14 +126,19 @@ class Batch:
         starts = self._starts if bearing is None else self._starts[bearing : bearing + 1]
         self._functions.start(n, self.state, starts, self.constants)
 
-    def step(self, gaits: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def step(
+        self, gaits: np.ndarray, prey: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Execute a gait in each; return observations, rewards, caught, time was up, and the observations at the end.
 
-        The first are those of the new hunt where one has ended, the last those of the old one.
+        The first are those of the new hunt where one has ended, the last those of the old one. prey: wheel speeds
+        [N, 2] m/s that the prey holds meanwhile; None: it steers itself.
         """
+        held = np.full((self.count, 2), np.nan) if prey is None else prey
         rewards, caught, late = self._functions.advance(
-            self.state, self._commands[gaits], np.asarray(gaits), self._shaped, self.constants
+            self.state, self._commands[gaits], held, np.asarray(gaits), self._shaped, self.constants
         )
+        rewards = rewards if self._side == _HUNTER else -rewards
         ends = seen = self._seen()
         if (caught | late).any():
             for n in np.flatnonzero(caught | late):
@@ -137,7 +147,7 @@ class Batch:
         return seen, rewards, caught, late, ends
 
     def _seen(self) -> np.ndarray:
-        return np.clip(self._functions.observe(self.state, self.gaits, self.constants), *self.bounds)
+        return np.clip(self._functions.observe(self.state, self._side, self.gaits, self.constants), *self.bounds)
 
 
 class _Functions(NamedTuple):
@@ -166,7 +176,7 @@ def _compiled() -> _Functions:
         for robot in range(2):
             for wheel in range(2):
                 state.drift[n, robot, wheel] = c.drift * np.random.standard_normal()  # noqa: NPY002
-        state.before[n] = state.pose[n, _PREY]
+        state.before[n] = state.pose[n]
         state.steps[n] = 0
         state.gait[n] = -1
 
@@ -205,11 +215,12 @@ def _compiled() -> _Functions:
         return math.hypot(pose[1, 0] - pose[0, 0], pose[1, 1] - pose[0, 1])
 
     @njit
-    def hunt(n, state, command, c):  # type: ignore[no-untyped-def]
-        """Hold a gait in one hunt; whether the prey was caught."""
+    def hunt(n, state, command, held, c):  # type: ignore[no-untyped-def]
+        """Hold a gait in one hunt; whether the prey was caught. held: the prey's wheels, NaN where it steers itself."""
         pose, wheels, drift = state.pose[n], state.wheels[n], state.drift[n]
         factors, aims = np.ones((2, 2)), np.zeros((2, 2))
-        aims[_HUNTER] = command
+        aims[_HUNTER], aims[_PREY] = command, held
+        steers = math.isnan(held[0])
         for _ in range(min(c.gait_steps, c.last - state.steps[n])):
             if state.steps[n] % c.control == 0:
                 for robot in range(2):
@@ -217,7 +228,8 @@ def _compiled() -> _Functions:
                         drift[robot, w] = c.keep * drift[robot, w] + c.kick * np.random.standard_normal()  # noqa: NPY002
                         slip = c.slip * (2.0 * np.random.random() - 1.0)  # noqa: NPY002
                         factors[robot, w] = (1.0 + slip) * (1.0 + drift[robot, w])
-                flee(pose[_PREY, 0], pose[_PREY, 1], pose[_PREY, 2], aims[_PREY], c)
+                if steers:
+                    flee(pose[_PREY, 0], pose[_PREY, 1], pose[_PREY, 2], aims[_PREY], c)
             for robot in range(2):
                 move(pose[robot], wheels[robot], aims[robot], factors[robot], c)
             state.steps[n] += 1
@@ -226,14 +238,14 @@ def _compiled() -> _Functions:
         return False
 
     @njit
-    def advance(state, commands, gaits, shaped, c):  # type: ignore[no-untyped-def]
+    def advance(state, commands, held, gaits, shaped, c):  # type: ignore[no-untyped-def]
         count = len(gaits)
         rewards, caught, late = np.zeros(count), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
         for n in range(count):
             begun, potential = state.steps[n], -gap(state.pose[n])
-            state.before[n] = state.pose[n, _PREY]
+            state.before[n] = state.pose[n]
             state.gait[n] = gaits[n]
-            caught[n] = hunt(n, state, commands[n], c)
+            caught[n] = hunt(n, state, commands[n], held[n], c)
             late[n] = not caught[n] and state.steps[n] >= c.last
             rewards[n] = -(state.steps[n] - begun) * c.step / c.limit
             if shaped:
@@ -248,22 +260,23 @@ def _compiled() -> _Functions:
         return c * dx + s * dy, s * dx - c * dy, one[2] - other[2]
 
     @njit
-    def observe(state, gaits, c):  # type: ignore[no-untyped-def]
+    def observe(state, side, gaits, c):  # type: ignore[no-untyped-def]
         seen = np.zeros((len(state.steps), 18 + gaits), np.float32)
         for n in range(len(state.steps)):
-            hunter, prey, row = state.pose[n, _HUNTER], state.pose[n, _PREY], seen[n]
-            forward, right, heading = relative(hunter, prey)
+            own, other, row = state.pose[n, side], state.pose[n, 1 - side], seen[n]
+            forward, right, heading = relative(own, other)
             angle = math.atan2(right, forward)
             row[0], row[1], row[2] = forward / c.unit, right / c.unit, math.hypot(forward, right) / c.unit
             row[3], row[4], row[5], row[6] = math.cos(angle), math.sin(angle), math.cos(heading), math.sin(heading)
             if state.gait[n] >= 0:
-                forward, right, heading = relative(state.before[n], prey)
+                forward, right, heading = relative(state.before[n, 1 - side], other)
                 row[7], row[8], row[9] = 1.0, forward / c.unit, right / c.unit
                 row[10], row[11] = math.cos(heading), math.sin(heading)
-            row[12], row[13] = hunter[0] / c.unit, hunter[1] / c.unit
-            row[14], row[15] = math.cos(hunter[2]), math.sin(hunter[2])
+            row[12], row[13] = own[0] / c.unit, own[1] / c.unit
+            row[14], row[15] = math.cos(own[2]), math.sin(own[2])
             row[16] = 1.0 - state.steps[n] * c.step / c.limit
-            row[18 + state.gait[n]] = 1.0
+            if side == _HUNTER:  # a prey is not told what it did last
+                row[18 + state.gait[n]] = 1.0
         return seen
 
     return _Functions(seed, start, advance, observe)

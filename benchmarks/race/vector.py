@@ -18,13 +18,13 @@ __all__ = ["Hunts", "Told"]
 class Hunts(VecEnv):
     """``count`` hunts at once. limit_ends: the end of the time is told as an end, not as one that was cut off."""
 
-    def __init__(self, arena: str, count: int, seed: int, *, reward: str, limit_ends: bool) -> None:
-        self.batch, self._limit_ends = Batch(arena, count, seed, reward=reward), limit_ends
+    def __init__(self, arena: str, count: int, seed: int, *, reward: str, limit_ends: bool, side: int = 0) -> None:
+        self.batch, self._limit_ends = Batch(arena, count, seed, reward=reward, side=side), limit_ends
         self.render_mode: str | None = None
         low, high = self.batch.bounds
         space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         super().__init__(count, space, gymnasium.spaces.Discrete(self.batch.gaits))
-        self._gaits = np.zeros(count, dtype=np.int64)
+        self._actions = np.zeros(count, dtype=np.int64)
 
     def reset(self) -> np.ndarray:
         """Begin all."""
@@ -32,17 +32,21 @@ class Hunts(VecEnv):
 
     def step_async(self, actions: np.ndarray) -> None:
         """Keep what to do."""
-        self._gaits = np.asarray(actions)
+        self._actions = np.asarray(actions)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Do it."""
-        seen, rewards, caught, late, ends = self.batch.step(self._gaits)
+        seen, rewards, caught, late, ends = self.moved(self._actions)
         done = caught | late
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for n in np.flatnonzero(done):
             cut = bool(late[n]) and not self._limit_ends
             infos[n] = {"terminal_observation": ends[n], "TimeLimit.truncated": cut, "is_success": bool(caught[n])}
         return seen, rewards.astype(np.float32), done, infos
+
+    def moved(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return what the batch says of a step with these actions."""
+        return self.batch.step(actions)
 
     def close(self) -> None:
         """Nothing is open."""

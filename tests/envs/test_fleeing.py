@@ -66,7 +66,7 @@ def test_a_planner_plays_the_hunter_of_hunt_v0(khepera_model):
 
 
 def test_a_prey_that_learned_gets_away_from_a_hunter_that_does_not_know_it(fleeing, khepera_model):
-    prey = next(one for one in fleeing.PREYS if one.name == "planning_open")
+    prey = next(one for one in fleeing.PREYS if one.name == "intercept_walled_0")
     policy, settings = fleeing.weights(prey), prey.settings
     knowing = fleeing.Knowing(khepera_model, policy, settings, prey.arena)
     ends = {}
@@ -79,11 +79,55 @@ def test_a_prey_that_learned_gets_away_from_a_hunter_that_does_not_know_it(fleei
     assert "torch" not in sys.modules
 
 
-def test_hunts_are_kept(fleeing, tmp_path, monkeypatch):
+def test_rows_are_made_once(fleeing, tmp_path, monkeypatch):
     prey = next(one for one in fleeing.PREYS if one.name == "paper_open")
-    asked = []
-    monkeypatch.setattr(fleeing, "_hunted", lambda *given: asked.append(given[-1]) or [[(1.0, True)]] * len(given[-1]))
-    assert fleeing.cell(prey, "planning", 0, 2, tmp_path) == [(1.0, True)] * 2
-    assert len(fleeing.cell(prey, "planning", 0, 3, tmp_path)) == 3
-    assert asked == [range(2), range(2, 3)]
-    assert fleeing.cell(prey, fleeing.KNOWING, 0, 3, tmp_path) is None  # who has learned nothing has no policy
+    asked, table = [], tmp_path / "table.csv"
+    ends = [[(1.0, True), (60.0, False)] + [(2.0, True)] * 5]  # of seven bearings
+    monkeypatch.setattr(fleeing, "_hunted", lambda *given: asked.append(given[-1]) or ends * len(given[-1]))
+    row = fleeing.cell(prey, "planning", 0, 2, table)
+    assert (row.prey, row.learned_from, row.hunts, row.caught, row.time_s, row.square_s2) == (
+        "paper_open", "", 14, 12, 142.0, 7242.0,
+    )  # fmt: skip
+    assert fleeing.cell(prey, "planning", 0, 1, table) == fleeing.cell(prey, "planning", 0, 2, table) == row
+    assert fleeing.cell(prey, "planning", 0, 3, table).hunts == 21  # more than there were
+    other = fleeing.cell(prey, "intercept", 1, 1, table)
+    assert asked == [range(2), range(3), range(1)]
+    assert fleeing.read(table)[1] == other
+    assert [one.hunts for one in fleeing.read(table)] == [21, 7]
+    assert fleeing.cell(prey, fleeing.KNOWING, 0, 3, table) is None  # who has learned nothing has no policy
+
+
+def test_the_table_is_of_prey_that_there_are(fleeing):
+    """Every row is of a prey that is listed, and every prey that learned and has a row ships."""
+    known = {prey.name: prey for prey in fleeing.PREYS}
+    rows = fleeing.read(ROOT / "benchmarks" / "results" / "fleeing.csv")
+    assert rows
+    for row in rows:
+        prey = known[row.prey]
+        assert (row.arena, row.learned_from, row.training_seed) == (prey.arena, prey.hunter, prey.seed)
+        assert not prey.hunter or prey.file.exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arena", ["open", "walled"])
+def test_prey_learn_in_the_hunt_that_they_flee_in(monkeypatch, arena):
+    """The compiled hunt tells the prey what hunt_v0 tells it, gait by gait, with the noise left out."""
+    pytest.importorskip("numba")
+    monkeypatch.syspath_prepend(str(ROOT))
+    quiet = {f"{who}.noise.{kind}": 0.0 for who in ("robot", "prey") for kind in ("slip", "drift_sd")}
+    batch = importlib.import_module("benchmarks.race.twin").Batch(arena, 1, 0, changes=quiet, reward="time", side=1)
+    env = hunt_v0.parallel_env(preset="paper", arena=arena, overrides=quiet)
+    settings = bh.load_experiment("paper")
+    wheels = np.array([gait.command for gait in hunt_v0.prey_gaits(settings.prey)])
+    rng = np.random.default_rng(0)
+    for seed in range(10):
+        env.reset(options={"theta": float(seed % 7), "hunt_seed": seed})
+        batch.begin(0, seed % 7)
+        while env.agents:
+            hunter, prey = int(rng.integers(10)), int(rng.integers(5))
+            seen, reward, ended, late, _ = env.step({"hunter_0": hunter, "prey_0": prey})
+            _, rewards, caught, up, told = batch.step(np.array([hunter]), wheels[[prey]])
+            assert (bool(caught[0]), bool(up[0])) == (ended["prey_0"], late["prey_0"])
+            assert rewards[0] == pytest.approx(reward["prey_0"], abs=1e-3)
+            if env.agents:
+                np.testing.assert_allclose(told[0], seen["prey_0"], atol=5e-3)
