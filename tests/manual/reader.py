@@ -28,7 +28,7 @@ COUNTED = ("evaluate", "sweep", "tradeoff", "figures")
 #: Arguments that make a benchmark short.
 SHORT = {
     "benchmarks": ["--only", "physics"],
-    "benchmarks.fleeing": ["--hunter", "planning", "--runs", "1", "--seed", "0"],
+    "benchmarks.fleeing": ["--hunter", "planning", "--runs", "1", "--seed", "0", "--table", "fleeing.csv"],
     "benchmarks.race": ["--work", "race", "--only", "planning-babbled-open-20-0-paper-30"],
     "benchmarks.worlds": ["paper", "--arena", "walled", "--planner", "prediction", "--runs", "1"],
 }
