@@ -28,7 +28,6 @@ class Case(NamedTuple):
     preset: str
     robot: str
     legs: bool = False
-    world: str = "box2d"
 
 
 CASES = {
@@ -40,7 +39,6 @@ CASES = {
         Case("legs", "hexapod_mixed", legs=True),
         Case("legs", "hexapod", legs=True),
         Case("legs", "quadruped", legs=True),
-        Case("paper", "puppy", legs=True, world="mujoco"),
     )
 }
 ARENAS = ("open", "walled")
@@ -51,7 +49,7 @@ PLANNERS = tuple(name for name in bh.planner_names() if name != NO_HUNTER)
 def settings(robot: str) -> bh.ExperimentSettings:
     """The experiment of a case."""
     case = CASES[robot]
-    return bh.load_experiment(case.preset, {"robot": robot, "model.babbling_steps": ROWS, "world": case.world})
+    return bh.load_experiment(case.preset, {"robot": robot, "model.babbling_steps": ROWS})
 
 
 @cache
@@ -95,7 +93,7 @@ def replayed(env: HuntEnv, whole: Any, robot: str, theta: float, seed: int) -> N
 
 def replay(robot: str, arena: str, planner: str, seeds: Iterable[int]) -> Iterator[int]:
     """Hunt and replay with each seed, one after the other; yield the seeds that were alike."""
-    env = HuntEnv(arena=arena, robot=robot, preset=CASES[robot].preset, overrides={"world": CASES[robot].world})
+    env = HuntEnv(arena=arena, robot=robot, preset=CASES[robot].preset)
     hunter = prepared(planner, robot, arena)
     for seed in seeds:
         theta = float(seed % 7)
