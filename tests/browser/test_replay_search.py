@@ -8,6 +8,7 @@ import re
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.core.units import bounds
 from bayeshunt.views.pages.replay import write_replay
 
 
@@ -117,6 +118,8 @@ def test_whiskers_stand_on_the_bars_of_a_posterior(page_of, episodes, model):
     track = page.locator("[data-part=bars] tr.chosen td.bar")
     width = track.bounding_box()["width"]
     assert whisker.bounding_box()["width"] == pytest.approx(max((high - low) * width, 2), abs=1.5)
+    beside = page.locator("[data-part=bars] tr.chosen td").last.evaluate("e => getComputedStyle(e, '::after').content")
+    assert bounds(low, high) in beside
     assert f"95 % interval of {row['gait']}: " in page.locator("[data-part=bars-caption]").inner_text()
 
 

@@ -265,7 +265,9 @@ class Player {
       open.title = `${gait}: where this number comes from`;
       open.addEventListener("click", () => this.openNumber(step, gait));
       const value = table.values[i];
-      row.append(head, ...draw(gait, i), element("td", {}, null, posterior ? value.toFixed(3) : String(Number(value.toPrecision(4)))));
+      const last = element("td", {}, null, posterior ? value.toFixed(3) : String(Number(value.toPrecision(4))));
+      if (posterior && table.within) last.dataset.within = `(${table.within[i][2]})`;
+      row.append(head, ...draw(gait, i), last);
       if (gait === step.gait) {
         row.className = "chosen";
         row.setAttribute("aria-current", "true");
