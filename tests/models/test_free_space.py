@@ -12,6 +12,7 @@ from bayeshunt.core.errors import DataError, InputError, ModelFileError
 from bayeshunt.models.arena.contacts import Contacts, expected_motion, find_walls
 from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.rooms import RoomModel
+from bayeshunt.worlds.exploring import explore
 
 CELL = 0.03
 
@@ -181,3 +182,15 @@ def test_obstacles_are_in_the_table_of_free_space(khepera_model):
     assert (inside < 0.5).all()
     assert room.space.hits[room.space.indices(0.171, 0.0)] > 0
     assert len(room.offsets) <= 4
+
+
+def test_a_robot_whose_touches_cannot_be_told_has_the_walls_of_the_hull(khepera_model, monkeypatch):
+    paper = bh.load_experiment("paper")
+    start = paper.protocol.hunter_pose
+    track = explore(paper.robot, paper.arenas["walled"], 150, 1003, physics=paper.physics, start=start)
+    none = Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, dtype=bool))
+    monkeypatch.setattr("bayeshunt.models.arena.rooms.find_contacts", lambda *given: none)
+    room = RoomModel.fit(track, khepera_model)
+    assert 2 <= len(room.offsets) <= 8  # the sides that it has met, and lines that join them
+    assert room.offsets.max() == pytest.approx(0.57, abs=0.02)
+    assert (room.blocked >= 10).all()

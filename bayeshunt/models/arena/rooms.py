@@ -74,8 +74,9 @@ class RoomModel(displays.Displayed):
         track: columns step, gait, interval, x, y [m], theta [rad, counter-clockwise], one row per
         part-way pose, ordered, in the starting frame. model: tells where each gait leads in the open.
         A wall is where the hunter was stopped, and shows itself at the first touch: see
-        :mod:`~bayeshunt.models.arena.contacts`. A model without part-way poses does not tell a touch; then
-        walls are the long edges of the convex hull of all poses at which steps were held up.
+        :mod:`~bayeshunt.models.arena.contacts`. A model without part-way poses does not tell a touch, nor can one be
+        told in the gaits of a robot that trips; then walls are the long edges of the convex hull of all poses at which
+        steps were held up.
 
         Raises DataError if a column is missing, a number is not finite or the robot hardly moved; InputError
         for a gait that ``model`` does not know.
@@ -91,7 +92,7 @@ class RoomModel(displays.Displayed):
         body, held = model.gaits.need("body_length"), _held_up(track, model)
         contacts = find_contacts(track, held, model)
         walls: Sequence[Wall] = _merge(_edges(_hull(places)), places[held], body)
-        if contacts is not None:
+        if contacts is not None and len(contacts.places):
             walls = find_walls(contacts, walls, places, body)
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
