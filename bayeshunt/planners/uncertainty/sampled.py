@@ -76,7 +76,8 @@ def _in_a_room(start: Start, walls: Walls) -> list[tuple[FloatArray, ...]]:
         wall = gaps.argmin(axis=0)
         gap = gaps.min(axis=0)
         turns = turn_at < time + gap / speed
-        gap = np.where(turns, (turn_at - time) * speed, gap)
+        left = np.subtract(turn_at, time, where=turns, out=np.zeros(len(x)))
+        gap = np.where(turns, left * speed, gap)
         met = np.isfinite(gap)
         run = np.where(met, gap, 0.0)
         side = np.where(np.asarray(wrap(theta - facing[wall])) >= 0.0, 1.0, -1.0)
