@@ -22,6 +22,8 @@ __all__ = ["BACKOFF", "KEPT", "ResidualTable", "path_classes"]
 BACKOFF = 25.0
 #: Paths that a class keeps.
 KEPT = 64
+#: Golden ratio: steps of it on a circle spread evenly, however many there are.
+_GOLDEN = (5**0.5 - 1) / 2
 #: Fixed point of kept places: this many units in one scale.
 _GRID = 512
 _UNSTEADY = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
@@ -122,12 +124,15 @@ class ResidualTable:
             self.kept[key] = {row: kept[row] for _, row in order[:KEPT]}
 
     def draw(self, seen: FloatArray, n: int, steps: int, *, rng: np.random.Generator) -> FloatArray:
-        """Return complex [N, n, steps] places that follow ``seen`` [N, T], which ends at 0 and faces forward."""
+        """Return complex [N, n, steps] places that follow ``seen`` [N, T], which ends at 0 and faces forward.
+
+        Draws that follow each other are spread evenly over what a class draws from: fewer of them tell as much.
+        """
         keys, speed, side = path_classes(seen / self.scale, 1.0)
         residuals, _, _ = self._residuals()
         picked = np.empty((len(seen), n), dtype=np.int64)
         mirrored = rng.random((len(seen), n)) < 0.5
-        uniform = rng.random((len(seen), n))
+        uniform = (rng.random((len(seen), 1)) + _GOLDEN * np.arange(n)) % 1.0
         for i, key in enumerate(map(tuple, keys.tolist())):
             rows, reach = self._mixture(key)
             picked[i] = rows[np.searchsorted(reach, uniform[i] * reach[-1], side="right").clip(max=len(rows) - 1)]
@@ -171,13 +176,14 @@ class ResidualTable:
         return share
 
     def _mixture(self, key: Key) -> tuple[np.ndarray, FloatArray]:
-        """Kept paths that a class draws from, and their cumulative weights."""
+        """Kept paths that a class draws from, by how far ahead they end, and their cumulative weights."""
         if key not in self._mixed:
-            _, weights, places = self._residuals()
+            residuals, weights, places = self._residuals()
             share = self.shares(key)
             rows = np.concatenate([np.arange(len(weights))[places[k]] for k in sorted(share)])
             own = np.concatenate([share[k] * weights[places[k]] for k in sorted(share)])
-            self._mixed[key] = rows, np.cumsum(own)
+            order = np.argsort(residuals[rows, -1].real, kind="stable")
+            self._mixed[key] = rows[order], np.cumsum(own[order])
         return self._mixed[key]
 
     def to_dict(self) -> dict[str, Any]:
