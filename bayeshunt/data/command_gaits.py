@@ -36,12 +36,12 @@ class NamedGaits(NamedTuple):
 
 
 def gaits_of_commands(
-    commands: np.ndarray, moved: np.ndarray, gaits: int | str, column: pd.Series | None, *, seed: int,
-    source: str = "log",
+    commands: np.ndarray, gaits: int | str, column: pd.Series | None, *, seed: int, source: str = "log",
+    moved: np.ndarray | None = None,
 ) -> NamedGaits:  # fmt: skip
     """Return the gait of each row and the repertoire.
 
-    commands: [N, A]. moved: where each led, [N, 3]: x, y and yaw. gaits: a number of clusters, "auto" (that number
+    commands: [N, A]. moved: where each led, [N, 3]: x, y and yaw, for "auto". gaits: a number of clusters, "auto" (that number
     which foresees held-out rows best), or "held" (each distinct command), or the name of ``column``, which
     holds names already. Fewer distinct commands than clusters give as many gaits as there are commands.
     """
@@ -60,7 +60,7 @@ def gaits_of_commands(
             raise InputError(f"{source}: {len(distinct)} different commands in {len(commands)} windows: they are not "
                              "held; give a number of gaits instead")  # fmt: skip
         return _named(codes.ravel(), distinct)
-    if gaits == AUTO:
+    if gaits == AUTO and moved is not None:
         gaits = best_number(commands, moved, seed=seed)
     if isinstance(gaits, str):
         raise InputError(f"{source}: gaits: expected a number, 'auto', 'held' or the name of a column, got {gaits!r}")

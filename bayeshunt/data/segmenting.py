@@ -82,7 +82,7 @@ def gaits_from_windows(
     if run is not None:
         follows &= kept[run].to_numpy()[1:] == kept[run].to_numpy()[:-1]
     commands, moved = values[:, : len(command)], values[:, len(command) :]
-    found = gaits_of_commands(commands, moved, gaits, kept[gaits] if named else None, seed=seed, source="windows")
+    found = gaits_of_commands(commands, gaits, kept[gaits] if named else None, seed=seed, source="windows", moved=moved)
     taken = {*command, *pose, "gait", "distance", "angle", "heading", "previous_gait"}
     others = kept[[name for name in kept.columns if name not in taken and not str(name).startswith("command_")]]
     table = _table(found, commands, moved, follows, kept.index)
@@ -120,7 +120,7 @@ def gaits_from_log(
         raise DataError(f"log: no unbroken run (or hold of a command) is as long as one time-step of {step:g} s")
     moved, commands, rows = _measured(log, names, starts, step, held=holds is not None)
     column = log[gaits].iloc[rows].reset_index(drop=True) if named else None
-    found = gaits_of_commands(commands, moved, gaits, column, seed=seed)
+    found = gaits_of_commands(commands, gaits, column, seed=seed, moved=moved)
     begun, run, hold = starts["time"].to_numpy(), starts["run"].to_numpy(), starts["hold"].to_numpy()
     touching = np.abs(np.diff(begun) - step) < 1e-6 * step + 1e-9
     next_hold = np.diff(hold) == 1  # the hold between was not lost
