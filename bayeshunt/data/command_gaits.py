@@ -41,8 +41,8 @@ def gaits_of_commands(
 ) -> NamedGaits:  # fmt: skip
     """Return the gait of each row and the repertoire.
 
-    commands: [N, A]. moved: where each led, [N, 3]: x, y and yaw, for "auto". gaits: a number of clusters, "auto" (that number
-    which foresees held-out rows best), or "held" (each distinct command), or the name of ``column``, which
+    commands: [N, A]. moved: where each led, [N, 3]: x, y and yaw, for "auto". gaits: a number of clusters, "auto"
+    (that number which foresees held-out rows best), or "held" (each distinct command), or the name of ``column``, which
     holds names already. Fewer distinct commands than clusters give as many gaits as there are commands.
     """
     check_whole(seed, "seed", 0)
