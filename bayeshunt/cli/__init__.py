@@ -26,11 +26,15 @@ from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
 from bayeshunt.core.errors import BayesHuntError, DataWarning, InputError
 
+#: The warnings that this command has printed.
+_SAID: set[str] = set()
+
 
 def main() -> None:
     """Run the command line; exit 2 for wrong input, 1 for failed work, each with one line on stderr."""
     warnings.showwarning = _show_warning  # type: ignore[assignment]  # the places are of no use here
     warnings.simplefilter("always", DataWarning)
+    _SAID.clear()
     with remembered_output() as output:
         try:
             status = _run()
@@ -67,8 +71,9 @@ def _run() -> int:
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
-    """A warning about the input is one line; the others are not for users of commands."""
-    if issubclass(category, DataWarning) and sys.stderr is not None:
+    """A warning about the input is one line, said once; the others are not for users of commands."""
+    if issubclass(category, DataWarning) and sys.stderr is not None and str(message) not in _SAID:
+        _SAID.add(str(message))
         with contextlib.suppress(OSError):
             print(f"bayeshunt: warning: {' '.join(str(message).split())}", file=sys.stderr, flush=True)
 

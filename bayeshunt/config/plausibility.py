@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from pydantic import BaseModel
 
 from bayeshunt.config.schema import ExperimentSettings, PreySettings, RobotSettings
 from bayeshunt.core.errors import warn
 
-__all__ = ["warn_implausible"]
+__all__ = ["warn_implausible", "warn_of_other_motion"]
 
 #: More distance bins than this in one gait, and fewer than this part of a body, are no gait that a table can show.
 _MOST_BINS, _LEAST_BODIES = 1000, 0.05
@@ -17,6 +18,8 @@ _MOST_BINS, _LEAST_BODIES = 1000, 0.05
 _TIMES = 1000.0
 #: What turns faster than this [rad/s] turns in degrees.
 _FAST_TURN = 12.6
+#: Of a body: what the gaits say of it, and is no matter of a warning.
+_COMPARED = ("diameter", "length")
 
 
 def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) -> None:
@@ -25,6 +28,42 @@ def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) 
     problem = next(problems, None) or next(_turns(settings), None)
     if problem is not None:
         warn(f"{source}: {problem}")
+
+
+def warn_of_other_motion(provenance: Mapping[str, Any], robot: RobotSettings) -> None:
+    """Issue a DataWarning of one line if a model is of a robot whose body or noise moves it otherwise than ``robot``.
+
+    provenance: the model's; what its records do not say differs from nothing. It is no error: a model may be tried on
+    a floor that it was not learned on. (Body length, duration and commands are compared with the gaits: another is.)
+    """
+    differing: dict[str, str] = {}
+    for source in provenance.get("sources", ()):
+        recorded = source.get("robot") if isinstance(source, Mapping) else None
+        differing |= _other_motion(recorded, robot) if isinstance(recorded, Mapping) else {}
+    if differing:
+        warn(
+            f"the model's robot has {', '.join(differing.values())} in {robot.name}: it will move otherwise than the "
+            "model says; fit a model of this robot, unless that is what you want to see"
+        )
+
+
+def _other_motion(recorded: Mapping[str, Any], robot: RobotSettings) -> dict[str, str]:
+    """What a recorded robot's body and noise say otherwise than ``robot``, by key: "noise.slip 0.1, not 0.2"."""
+    found = {}
+    for group in (robot.body, robot.noise):
+        name = "body" if group is robot.body else "noise"
+        before = recorded.get(name)
+        for key, field in type(group).model_fields.items() if isinstance(before, Mapping) else ():
+            told, is_now = before.get(key), getattr(group, key)  # type: ignore[union-attr]
+            of_another_drive = str(field.description).endswith(")") and f"({robot.body.drive})" not in field.description
+            if key in _COMPARED or told is None or of_another_drive or told == is_now:
+                continue
+            found[f"{name}.{key}"] = f"{name}.{key} {_plain(told)}, not {_plain(is_now)}"
+    return found
+
+
+def _plain(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _experiment(settings: ExperimentSettings) -> Iterator[str]:

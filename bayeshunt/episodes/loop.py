@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from bayeshunt.config.loading import load_experiment
+from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.messages import Moment
@@ -22,7 +23,7 @@ from bayeshunt.episodes.recorder import Step
 from bayeshunt.planners.api import Future, Plan, Planner, Situation
 from bayeshunt.planners.asking import ask, check_can_plan, check_robot
 from bayeshunt.planners.bounds.kinematic_limit import KinematicLimit
-from bayeshunt.planners.registry import check_sections, foresight_of, info_of
+from bayeshunt.planners.registry import check_sections, foresight_of, info_of, model_of
 
 __all__ = ["Result", "hunt", "run_hunt"]
 
@@ -52,6 +53,8 @@ def hunt(
     steps: list[Step] = []
     trail: list[Moment] = []
     running = _begin(settings, planner, arena, theta, seed, prey_model)
+    if (model := model_of(planner)) is not None:
+        warn_of_other_motion(model.provenance, settings.robot)
     for situation, plan in _decide(running, planner):
         # The prey model goes on learning: the record keeps what was known at this decision.
         situation = replace(situation, prey_model=running.prey_model.copy())

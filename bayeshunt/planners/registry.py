@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 from bayeshunt.core.arguments import checked, checked_but
 from bayeshunt.core.checks import check_kind
@@ -47,6 +49,7 @@ __all__ = [
     "is_shipped",
     "made_by",
     "make_planner",
+    "model_of",
     "planner_info",
     "planner_names",
     "register_planner",
@@ -74,6 +77,8 @@ class Registered(NamedTuple):
 _REGISTRY: dict[str, Registered] = {}
 #: Classes that have been made by a factory registered with an ``info``, which says more than their marks.
 _MADE: dict[type, PlannerInfo] = {}
+#: What the planners that were made plan with.
+_MODELS: WeakKeyDictionary[Planner, ForwardModel] = WeakKeyDictionary()
 
 
 @checked_but("info")
@@ -187,7 +192,17 @@ def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
         raise InputError(f"planner {name!r}: its factory does not return a planner; {error}") from None
     if entry.said:
         _MADE[type(planner)] = entry.info
+    with contextlib.suppress(TypeError):  # somebody's own may have no weak references
+        _MODELS[planner] = model
     return planner
+
+
+def model_of(planner: Planner) -> ForwardModel | None:
+    """Return the model that a planner was made with by :func:`make_planner`; None if that is not known."""
+    try:
+        return _MODELS.get(planner)
+    except TypeError:
+        return None
 
 
 def find_planner(name: str) -> Registered:

@@ -15,6 +15,7 @@ from typing import Any, Never
 import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
+from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.checks import check_kind, check_whole
@@ -89,6 +90,7 @@ def evaluate(
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
         check_minds(planners, model, settings)
+        warn_of_other_motion(model.provenance, settings.robot)
         if out is not None and not model.has_counts:
             raise InputError(
                 "an imported network has no counts, which a folder of results needs; evaluate without out (--out)"

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.config.loading import parse
+from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.config.schema.legs import legs_at_rest
 from bayeshunt.core import units
@@ -102,6 +103,7 @@ def replay_data(
         robot = settings.robot
         if (difference := model.gaits.difference(robot.gaits, "the model's robot", robot.name)) is not None:
             raise InputError(f"{difference}; give a model of the robot that hunted")
+        warn_of_other_motion(model.provenance, robot)
     planner, arena, theta, seed = (origin[key] for key in ("planner", "arena", "theta", "seed"))
     place = settings.arenas[arena]
     records: list[dict[str, Any]] = episode.frame.to_dict("records")  # type: ignore[assignment]
