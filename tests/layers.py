@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -20,13 +21,16 @@ def modules(folder: Path = PACKAGE) -> dict[str, str]:
     return found
 
 
-def names_imported(source: str) -> Iterator[str]:
-    """Yield every name that a module imports, in full: "bayeshunt.core.bins.Axis", "numpy"."""
+@cache
+def names_imported(source: str) -> tuple[str, ...]:
+    """Return every name that a module imports, in full: "bayeshunt.core.bins.Axis", "numpy"; read once."""
+    found: list[str] = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            found += (f"{node.module}.{alias.name}" for alias in node.names)
+    return tuple(found)
 
 
 def imports(sources: Mapping[str, str]) -> dict[str, set[str]]:

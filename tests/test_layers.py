@@ -1,5 +1,7 @@
 """The layers: imports go down only, in no circle; heavy libraries have one home; modules and folders stay small."""
 
+import ast
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -125,6 +127,30 @@ def test_modules_stay_readable():
 def test_folders_stay_small():
     counts = Counter(path.parent.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py") if path.name != "__init__.py")
     assert not {str(folder): count for folder, count in counts.items() if count > 16}
+
+
+def unused(sources):
+    """Functions and classes of modules that nothing names but their own definition and ``__all__``."""
+    named = Counter(word for text in sources.values() for word in re.findall(r"\w+", text))
+    return [
+        f"{name}.{node.name}"
+        for name, text in sources.items()
+        for node in ast.parse(text).body
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef))
+        and not any(isinstance(mark, ast.Call) for mark in node.decorator_list)  # commands
+        and named[node.name] <= (2 if f'"{node.name}"' in text else 1)
+    ]
+
+
+#: What only readers of the manual call.
+FOR_READERS = ["bayeshunt.experiments.studies.active.compare_babbling"]
+
+
+def test_nothing_is_there_for_nobody():
+    sources = modules()
+    assert [name for name in unused(sources) if not name.endswith((".__dir__", ".__getattr__"))] == FOR_READERS
+    put_in = {**sources, "bayeshunt.core.spare": '__all__ = ["for_nobody"]\n\ndef for_nobody():\n    return 1\n'}
+    assert "bayeshunt.core.spare.for_nobody" in unused(put_in)
 
 
 def test_help_and_import_leave_the_heavy_libraries_alone():

@@ -55,7 +55,8 @@ def _other_motion(recorded: Mapping[str, Any], robot: RobotSettings) -> dict[str
         before = recorded.get(name)
         for key, field in type(group).model_fields.items() if isinstance(before, Mapping) else ():
             told, is_now = before.get(key), getattr(group, key)  # type: ignore[union-attr]
-            of_another_drive = str(field.description).endswith(")") and f"({robot.body.drive})" not in field.description
+            words = field.description or ""
+            of_another_drive = words.endswith(")") and f"({robot.body.drive})" not in words
             if key in _COMPARED or told is None or of_another_drive or told == is_now:
                 continue
             found[f"{name}.{key}"] = f"{name}.{key} {_plain(told)}, not {_plain(is_now)}"

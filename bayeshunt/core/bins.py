@@ -17,7 +17,15 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.arguments import check_fields
-from bayeshunt.core.checks import check_kind, check_number, check_numbers, check_whole
+from bayeshunt.core.checks import (
+    FULL_TURN,
+    beyond_a_turn,
+    check_bearings,
+    check_kind,
+    check_number,
+    check_numbers,
+    check_whole,
+)
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import wrap
 
@@ -94,10 +102,13 @@ class Axis:
 
         A scalar gives an int, an array an int64 array. The caller checks the upper end, because
         what lies beyond it is a fact (nothing was ever seen there), not a mistake.
-        Raises InputError for what is not a finite number: it falls into no bin.
+        Raises InputError for what is not a finite number: it falls into no bin; and for an angle of over two turns,
+        which is hardly one in radians.
         """
         if isinstance(values, float):
             if self.circular:
+                if abs(values) > 2 * FULL_TURN and math.isfinite(values):
+                    raise InputError(f"{self.name}: {beyond_a_turn(values, 2)}")
                 values = wrap(values)
             try:
                 index = math.floor((values - self._first_edge) / self.width)
@@ -107,6 +118,8 @@ class Axis:
         array = check_numbers(values, self.name)
         if not np.isfinite(array).all():  # as whole numbers they would be bins
             raise InputError(f"{self.name}: expected finite numbers, got {array[~np.isfinite(array)].flat[0]}")
+        if self.circular and array.size and max(array.max(), -array.min()) > 2 * FULL_TURN:
+            check_bearings(array, self.name, 2)
         scaled = np.asarray(wrap(array) if self.circular else array.copy())
         scaled -= self._first_edge  # in place: a new array costs more than the arithmetic
         scaled /= self.width

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from bayeshunt.core.errors import InputError, shown
+from bayeshunt.core.errors import InputError, shown, warn
 from bayeshunt.core.geometry import Polar
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "check_radians",
     "check_whole",
     "conforms",
+    "warn_of_degrees",
 ]
 
 
@@ -121,6 +122,15 @@ def beyond_a_turn(angle: float, turns: int = 1) -> str:
         f"expected radians from -{2 * turns} pi to {2 * turns} pi, got {angle:g}; "
         f"if that is in degrees, give {math.radians(angle):.4g} (degrees x pi / 180)"
     )
+
+
+def warn_of_degrees(theta: float, name: str) -> None:
+    """Issue a DataWarning of one line if a direction [rad], at a start, is of more than two turns.
+
+    It is none of :func:`check_radians`: odometry need not be wrapped, and later a robot may have turned so often.
+    """
+    if abs(theta) > 2 * FULL_TURN:
+        warn(f"{name}: theta is {theta:g} rad at the start; if that is in degrees, convert it: math.radians(theta)")
 
 
 def check_numbers(values: Any, name: str) -> np.ndarray:

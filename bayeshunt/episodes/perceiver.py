@@ -6,15 +6,14 @@ The world is outside: whoever owns it says where the hunter is and what it sees,
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import Any, cast, overload
 
 import numpy as np
 
 from bayeshunt.config.schema.camera import CameraSettings
-from bayeshunt.core.checks import FULL_TURN, check_kind, check_number, conforms
-from bayeshunt.core.errors import DataWarning, InputError, shown
+from bayeshunt.core.checks import check_kind, check_number, conforms, warn_of_degrees
+from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.core.geometry import Polar, Pose, in_frame
 from bayeshunt.core.messages import Detection, Frame, Observation
@@ -143,11 +142,7 @@ class Perceiver:
         own = _pose(own_pose, "own_pose")
         if self._origin is None:
             self._origin = own
-            if abs(own.theta) > 2 * FULL_TURN:  # later it may have turned so often
-                warnings.warn(
-                    f"own_pose: theta is {own.theta:g} rad at the start, more than two turns; if that is in degrees, "
-                    "convert it: math.radians(theta)", DataWarning, stacklevel=3,
-                )  # fmt: skip
+            warn_of_degrees(own.theta, "own_pose")
         origin = self._origin
         if isinstance(seen, Observation):
             frames = tuple(_moved(frame, origin) for frame in seen.frames)

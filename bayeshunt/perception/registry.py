@@ -16,7 +16,7 @@ from bayeshunt.perception.trackers.exact import ExactTracker
 
 __all__ = [
     "check_sensing", "make_sensor", "make_tracker", "register_sensor", "register_tracker", "registered_sensors",
-    "registered_trackers", "sensor_names", "tracker_names",
+    "registered_trackers",
 ]  # fmt: skip
 
 #: Makes a sensor or a tracker from a context and settings given by name.
@@ -68,16 +68,6 @@ def registered_sensors() -> Mapping[str, Factory]:
 def registered_trackers() -> Mapping[str, Factory]:
     """Return the trackers registered beside those that ship, by name."""
     return {name: made for name, made in _TRACKERS.items() if name not in _SHIPPED["tracker"]}
-
-
-def sensor_names() -> list[str]:
-    """Return the names of all sensors."""
-    return sorted(_SENSORS)
-
-
-def tracker_names() -> list[str]:
-    """Return the names of all trackers."""
-    return sorted(_TRACKERS)
 
 
 def make_sensor(name: str, context: PerceptionContext, settings: Mapping[str, Any]) -> Sensor:

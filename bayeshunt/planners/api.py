@@ -23,6 +23,7 @@ from bayeshunt.core.checks import (
     check_radians,
     check_whole,
     conforms,
+    warn_of_degrees,
 )
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import GIVE_MEASURES
@@ -150,6 +151,8 @@ class Situation:
             check_kind(self.previous_gait, "previous_gait", str, "the name of a gait, or None")
         if self.pose is not None:
             check_kind(self.pose, "pose", Pose, "a Pose, or None")
+            if self.step == 0:
+                warn_of_degrees(self.pose.theta, "pose")
         if self.future is not None:
             check_kind(self.future, "future", Future, "a Future, or None")
         if type(self.transitions) is not tuple or not set(map(type, self.transitions)) <= {Polar}:

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from bayeshunt.core.checks import FULL_TURN, check_whole
-from bayeshunt.core.errors import InputError, shown, warn
+from bayeshunt.core.checks import check_whole, warn_of_degrees
+from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.core.geometry import Pose
 from bayeshunt.data.babbling_table import PROVENANCE_KEY
@@ -59,8 +59,8 @@ class Babbler:
             raise InputError(f"own_pose: expected a Pose(x, y, theta) of numbers, got {shown(own_pose)}") from None
         if not all(map(math.isfinite, pose)):
             raise InputError(f"own_pose: expected finite numbers, got {pose}")
-        if self._pose is None and abs(pose.theta) > 2 * FULL_TURN:  # later it may have turned so often
-            warn(f"own_pose: theta is {pose.theta:g} rad at the start; if that is in degrees, convert it: math.radians")
+        if self._pose is None:
+            warn_of_degrees(pose.theta, "own_pose")
         if self._gait is not None and self._pose is not None:
             self._rows.append((self._gait, *self._pose.relative(pose), self._previous))
         self._pose, self._previous, self._gait = pose, self._gait, None

@@ -55,6 +55,15 @@ def test_labels_count_as_their_text(kind, tmp_path):
     assert bh.load_dataset(tmp_path / "t.parquet")["gait"].tolist() == plain["gait"].tolist()
 
 
+def test_a_table_is_assessed_however_its_labels_are_stored(khepera_frame):
+    gaits, plain = bh.load_robot("khepera").gaits, khepera_frame.head(120)
+    frame = plain.astype({"gait": pd.ArrowDtype(pa.dictionary(pa.int32(), pa.string()))})
+    frame.attrs = plain.attrs
+    one, other = (bh.assess(each, gaits, permutations=9, structures=("naive", "tan")) for each in (plain, frame))
+    pd.testing.assert_frame_equal(one.structures, other.structures)
+    pd.testing.assert_frame_equal(one.independence, other.independence)
+
+
 @pytest.mark.parametrize("label", [[1], {"a": 1}, (1, 2), object(), float("inf")])
 def test_what_is_no_name_is_one_line(label):
     frame = table(pd.Series([label] * 4, dtype=object))

@@ -86,6 +86,8 @@ def test_degrees_are_refused_wherever_an_angle_comes_in(khepera_frame):
         lambda: bh.Network(inverse.model).posterior("Gait", evidence={"Angle": 30}),
         lambda: prey.update(pd.DataFrame({"distance": [0.1], "angle": [0.5], "heading": [45.0]})),
         lambda: bh.load_experiment("paper", {"protocol.thetas": [90.0]}),
+        lambda: bh.Axis.full_turn("Angle", 36).index([0.5, 90.0]),
+        lambda: bh.Axis.full_turn("Angle", 36).index(-90.0),
     ):
         with pytest.raises(bh.InputError, match=r"expected radians from -[24] pi to [24] pi, got -?\d+; if that"):
             call()
@@ -94,6 +96,25 @@ def test_degrees_are_refused_wherever_an_angle_comes_in(khepera_frame):
 def test_a_robot_of_ones_own_that_starts_with_degrees_is_warned_of():
     with pytest.warns(bh.DataWarning, match=r"^own_pose: theta is 90 rad at the start; if that is in degrees"):
         bh.Babbler(ROBOT.gaits).record(bh.Pose(0.0, 0.0, 90.0))
+    facts = {"prey": bh.Polar(0.3, 0.2, 0.1), "prey_model": bh.PreyModel()}
+    with pytest.warns(bh.DataWarning, match=r"^pose: theta is -90 rad at the start; .*: math\.radians\(theta\)$"):
+        bh.Situation(**facts, pose=bh.Pose(0.0, 0.0, -90.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bh.Situation(**facts, pose=bh.Pose(0.0, 0.0, -90.0), step=40)  # by then it may have turned so often
+        bh.Situation(**facts, pose=bh.Pose(0.0, 0.0, 12.5))
+
+
+def test_a_target_in_millimetres_is_warned_of(khepera_model):
+    inverse = bh.InverseModel(khepera_model)
+    says = r"^target distance: 160 m, but the farthest learned coordinate ends at 0\.2\d* m; .*, give 0\.16$"
+    for call in (lambda: inverse.posterior(160, 0.1), lambda: inverse.posterior_many([0.16, 160], 0.1)):
+        with pytest.warns(bh.DataWarning, match=says):
+            call()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert inverse.posterior(10.0, 0.1).beyond
+        inverse.posterior_many([0.16, 10.0], 0.1)
 
 
 def test_the_command_says_it_in_one_line(monkeypatch, capfd, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -169,3 +170,39 @@ class _Straight:
 
     def plan(self, situation: bh.Situation, *, rng: object) -> bh.Plan:
         return bh.Plan("straight")
+
+
+# --- the same gaits, moved otherwise ---------------------------------------------------------------
+
+MOVED = "noise.slip 0.1, not 0.3 in khepera: it will move otherwise than the model says"
+
+
+def test_a_robot_that_moves_otherwise_is_warned_of_wherever_its_model_is_used(khepera_model, tmp_path, bayeshunt):
+    """A model may be tried on another floor, so it is no error."""
+    slippery = bh.load_experiment("paper", {"robot.noise.slip": 0.3, "robot.body.wheelbase": 0.06})  # a car has that
+    planner = bh.make_planner("reactive", khepera_model)
+    says = f"^the model's robot has {MOVED}; fit a model of this robot, unless "
+    with pytest.warns(bh.DataWarning, match=says):
+        episode = bh.hunt(slippery, planner, arena="open")
+    with pytest.warns(bh.DataWarning, match=says):
+        bh.write_replay(episode, tmp_path / "page.html", model=khepera_model)
+    with pytest.warns(bh.DataWarning, match=says):
+        assert len(bh.evaluate(slippery, model=khepera_model, planners="reactive", arenas="open", runs=1)) == 7
+    khepera_model.save(tmp_path / "model.json")
+    command = "hunt --preset paper --planner reactive --model model.json --replay page.html --set robot.noise.slip=0.3"
+    _, err = bayeshunt(*command.split())
+    assert " ".join(err.split()).count(MOVED) == 1
+
+
+def test_every_difference_is_named_and_what_is_not_known_is_none(khepera_model) -> None:
+    changes = {"robot.body.axle": 0.06, "robot.body.max_traction": 1.0}
+    with pytest.warns(
+        bh.DataWarning, match=r"has body\.axle 0\.052, not 0\.06, body\.max_traction 3, not 1 in khepera:"
+    ):
+        bh.hunt(bh.load_experiment("paper", changes), bh.make_planner("reactive", khepera_model), arena="open")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bh.hunt("paper", bh.make_planner("reactive", khepera_model), arena="open")
+        for provenance in ({}, {"sources": [{}, {"robot": {"name": "x", "body": None}}, None]}):
+            silent = bh.ForwardModel(khepera_model.joint, provenance=provenance)
+            bh.hunt(bh.load_experiment("paper", changes), bh.make_planner("reactive", silent), arena="open")

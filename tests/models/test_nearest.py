@@ -97,3 +97,23 @@ def test_more_angle_bins_than_sectors() -> None:
     distance, angle = Axis.linear("Distance", 0.01, 20), Axis.full_turn("Angle", 3600)
     cells = some_cells(20, 3600, 400, rng)
     check(distance, angle, cells, rng.uniform(0, 0.5, 200), rng.uniform(-math.pi, math.pi, 200))
+
+
+def test_in_a_wide_table_few_cells_are_looked_at() -> None:
+    """Of 23,000 cells each target is compared with a handful, asked alone or with others, and memory stays bounded."""
+    rng = np.random.default_rng(4)
+    distance, angle = Axis.linear("Distance", 0.0057, 1700), Axis.full_turn("Angle", 36)
+    finder = CellFinder(distance, angle, some_cells(1700, 36, 23_000, rng))
+    d, a = rng.uniform(0, 9.69, 500), rng.uniform(-math.pi, math.pi, 500)
+    finder.find_many(d, a)
+    held = [len(cells) for cells in finder._lists]
+    assert len(held) > 10
+    assert max(held) < 50
+    looked: list[int] = []
+    for x, y in zip(d.tolist(), a.tolist(), strict=True):
+        place = (x / distance.width, (y - angle.edges[0].item()) / angle.width)
+        finder.nearest(x, y, *place)  # one question of a bucket may look at every cell
+        finder.nearest(x, y, *place)
+        looked.append(len(found) if isinstance(found := [*finder._entries.values()][-1], list) else 1)
+    assert max(looked) < 50
+    assert len(finder._codes) + len(finder._own) < 5_000_000

@@ -17,7 +17,7 @@ from bayeshunt.core import displays
 from bayeshunt.core.arguments import checked
 from bayeshunt.core.bins import ENERGY
 from bayeshunt.core.checks import FULL_TURN, check_bearings, check_kind, check_number, check_numbers, check_radians
-from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown
+from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, ZeroCountError, shown, warn
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.models.body.forward import ForwardModel
@@ -33,6 +33,8 @@ _floor = math.floor
 _make = tuple.__new__
 #: Targets that a belief is asked for.
 _SAMPLES = 1000
+#: A target this many times farther than what was ever reached is hardly one in metres.
+_TIMES = 100
 #: Angular distances [rad] closer than this are ties.
 _TIE = 1e-9
 
@@ -61,6 +63,7 @@ class InverseModel(displays.Displayed):
         # Answers are made when first asked for: a wide table has tens of thousands.
         self._sources: list[CellPosterior | None] = [None] * len(self._cells)
         self._rows = dict(zip(map(tuple, self._cells.tolist()), range(len(self._cells)), strict=True))
+        self._implausible = _TIMES * self._distance_width * (int(self._cells[:, 0].max()) + 1)
         self._finder = CellFinder(distance, angle, self._cells)
         self._nearest = self._finder.nearest
         self._known: dict[tuple[int, int, int | None, int | None], CellPosterior | None] = {}
@@ -97,6 +100,7 @@ class InverseModel(displays.Displayed):
             has probability 0 there, the nearest heading bin that has not; likewise energy.
         energy: joules that the step is to cost, >= 0; of models with Energy as a node.
 
+        Issues a DataWarning for a distance over 100 times the farthest learned, which is likelier one in millimetres.
         Raises InputError for a number out of range, and with ``snap=False``
         ImpossibleEvidenceError where P(evidence) = 0 in the target's own bins.
         """
@@ -114,6 +118,8 @@ class InverseModel(displays.Displayed):
         row = self._rows.get((int(d_bins), _floor(a_bins) % self._angle_bins))
         snapped = row is None
         if row is None:
+            if d > self._implausible:
+                self._warn_of_millimetres(d)
             row = self._nearest(d, a, d_bins, a_bins)
         source = self._sources[row] or self._source(row)
         if heading is None and energy is None and snap is True:
@@ -136,7 +142,15 @@ class InverseModel(displays.Displayed):
         if d.size and not (d.min() >= 0.0 and d.max() <= FARTHEST and a.min() > -_INF and a.max() < _INF):
             raise InputError(f"targets: expected distances of 0 to {FARTHEST:g} m and finite angles [rad]")
         check_bearings(a, "target angles", _TURNS)
+        if d.size and d.max() > self._implausible:
+            self._warn_of_millimetres(float(d.max()))
         return np.take(self._values, self._finder.find_many(d, a), axis=0)
+
+    def _warn_of_millimetres(self, distance: float) -> None:
+        warn(
+            f"target distance: {distance:g} m, but the farthest learned coordinate ends at "
+            f"{self._implausible / _TIMES:.3g} m; if it is in millimetres, give {distance / 1000:g}"
+        )
 
     def posterior_of(self, samples: Any, weights: Any = None) -> pd.Series:
         """Return ``sum_k w_k P(Gait | target_k)``: which gait leads there when the target is not a point.
