@@ -18,8 +18,8 @@ _MOST_BINS, _LEAST_BODIES = 1000, 0.05
 _TIMES = 1000.0
 #: What turns faster than this [rad/s] turns in degrees.
 _FAST_TURN = 12.6
-#: Of a body: what the gaits say of it, and is no matter of a warning.
-_COMPARED = ("diameter", "length")
+#: What the gaits say of a body, and is no matter of a warning.
+_COMPARED = ("body.diameter", "body.length")
 
 
 def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) -> None:
@@ -49,18 +49,18 @@ def warn_of_other_motion(provenance: Mapping[str, Any], robot: RobotSettings) ->
 
 def _other_motion(recorded: Mapping[str, Any], robot: RobotSettings) -> dict[str, str]:
     """What a recorded robot's body and noise say otherwise than ``robot``, by key: "noise.slip 0.1, not 0.2"."""
-    found = {}
-    for group in (robot.body, robot.noise):
-        name = "body" if group is robot.body else "noise"
-        before = recorded.get(name)
-        for key, field in type(group).model_fields.items() if isinstance(before, Mapping) else ():
-            told, is_now = before.get(key), getattr(group, key)  # type: ignore[union-attr]
-            words = field.description or ""
-            of_another_drive = words.endswith(")") and f"({robot.body.drive})" not in words
-            if key in _COMPARED or told is None or of_another_drive or told == is_now:
-                continue
-            found[f"{name}.{key}"] = f"{name}.{key} {_plain(told)}, not {_plain(is_now)}"
-    return found
+    now = robot.model_dump(mode="json", include={"body", "noise"})
+    return dict(_differences(recorded, now, ""))
+
+
+def _differences(told: Mapping[str, Any], now: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:
+    """Each setting that was recorded and is another now, in groups of settings too: its key, and both values."""
+    for name, value in now.items():
+        key, before = f"{prefix}{name}", told.get(name)
+        if isinstance(value, Mapping):
+            yield from _differences(before, value, f"{key}.") if isinstance(before, Mapping) else ()
+        elif before is not None and before != value and key not in _COMPARED:
+            yield key, f"{key} {_plain(before)}, not {_plain(value)}"
 
 
 def _plain(value: Any) -> str:

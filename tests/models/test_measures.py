@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 
 NAMES = ("left", "right")
@@ -179,7 +180,7 @@ MOVED = "noise.slip 0.1, not 0.3 in khepera: it will move otherwise than the mod
 
 def test_a_robot_that_moves_otherwise_is_warned_of_wherever_its_model_is_used(khepera_model, tmp_path, bayeshunt):
     """A model may be tried on another floor, so it is no error."""
-    slippery = bh.load_experiment("paper", {"robot.noise.slip": 0.3, "robot.body.wheelbase": 0.06})  # a car has that
+    slippery = bh.load_experiment("paper", {"robot.noise.slip": 0.3})
     planner = bh.make_planner("reactive", khepera_model)
     says = f"^the model's robot has {MOVED}; fit a model of this robot, unless "
     with pytest.warns(bh.DataWarning, match=says):
@@ -206,3 +207,14 @@ def test_every_difference_is_named_and_what_is_not_known_is_none(khepera_model) 
         for provenance in ({}, {"sources": [{}, {"robot": {"name": "x", "body": None}}, None]}):
             silent = bh.ForwardModel(khepera_model.joint, provenance=provenance)
             bh.hunt(bh.load_experiment("paper", changes), bh.make_planner("reactive", silent), arena="open")
+
+
+def test_settings_in_groups_are_compared_one_by_one() -> None:
+    robot = bh.load_robot("hexapod")
+    model = bh.ForwardModel.fit(bh.babble(robot, 60, seed=0), robot.gaits, prior=0.03)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_other_motion(model.provenance, robot)
+    other = bh.load_experiment("legs", {"robot": "hexapod", "robot.body.legs.friction": 0.5}).robot
+    with pytest.warns(bh.DataWarning, match=r"has body\.legs\.friction 0\.8, not 0\.5 in hexapod:"):
+        warn_of_other_motion(model.provenance, other)
