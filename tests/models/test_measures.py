@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.config.loading import preset_names
 from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 
@@ -218,3 +219,10 @@ def test_settings_in_groups_are_compared_one_by_one() -> None:
     other = bh.load_experiment("legs", {"robot": "hexapod", "robot.body.legs.friction": 0.5}).robot
     with pytest.warns(bh.DataWarning, match=r"has body\.legs\.friction 0\.8, not 0\.5 in hexapod:"):
         warn_of_other_motion(model.provenance, other)
+
+
+def test_no_robot_moves_otherwise_than_its_own_record() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for robot in map(bh.load_robot, preset_names("robots")):
+            warn_of_other_motion({"sources": [{"robot": robot.model_dump(mode="json")}]}, robot)
