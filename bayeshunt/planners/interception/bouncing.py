@@ -14,14 +14,12 @@ import numpy as np
 
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.arena.rooms import RoomModel
-from bayeshunt.planners.interception.futures import Futures
+from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures
 
 __all__ = ["LEGS", "Walls", "room_futures", "rooms_futures", "sliding_future"]
 
 #: Straight runs of a path between walls, the last for ever: with nine the hunts of eight worlds were the same.
 LEGS = 3
-#: A side that is less probable than this is left out.
-_NEGLIGIBLE = 0.02
 
 
 class Walls(NamedTuple):
@@ -115,7 +113,7 @@ def rooms_futures(
         steps = gap / (speed * time_step) if speed > 0 else 0.0
         wander = max(drift * math.sqrt(2.0 * steps), 1e-9)  # sqrt(2): of the error function
         other = 0.5 * math.erfc(abs(slant) / wander)
-        both = other >= _NEGLIGIBLE and speed > 0
+        both = other >= NEGLIGIBLE and speed > 0
         for towards, share in ((side, 1.0 - other if both else 1.0), (-side, other))[: 1 + both]:
             paths.append(_path(at, walls, speed, towards, legs))
             weights.append(chance * share)

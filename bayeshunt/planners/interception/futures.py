@@ -13,7 +13,12 @@ import numpy as np
 from bayeshunt.core.geometry import FloatArray, Polar
 from bayeshunt.models.target.turns import TurnModel
 
-__all__ = ["Futures", "mix", "turning_futures"]
+__all__ = ["NEGLIGIBLE", "Futures", "mix", "turning_futures"]
+
+#: What is less probable than this is left out of a decision.
+NEGLIGIBLE = 0.02
+#: The likeliest futures that a decision is taken over.
+_MOST = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,11 +117,11 @@ def turning_futures(prey: Polar, model: TurnModel, time_step: float, steps: int)
     )
 
 
-def mix(parts: Sequence[tuple[float, Futures]], most: int | None = None) -> Futures:
+def mix(parts: Sequence[tuple[float, Futures]], most: int = _MOST) -> Futures:
     """Return one set of futures from several, each with its probability (any positive scale).
 
     Legs are foreseen if those of all parts are. Futures that do not turn before the next decision cannot be told
-    apart by it. most: of more futures than these, only the likeliest are kept; None: all.
+    apart by it. most: of more futures than these, only the likeliest are kept.
     """
     legs = max(futures.starts.shape[1] for _, futures in parts)
     weights = np.concatenate([chance * futures.weights for chance, futures in parts])
@@ -134,7 +139,7 @@ def mix(parts: Sequence[tuple[float, Futures]], most: int | None = None) -> Futu
         pace = np.concatenate([_padded(one, legs, 1.0) for one in own])
     foreseen = all(futures.foreseen for chance, futures in parts if chance > 0)
     mixed = Futures(weights / weights.sum(), starts, forward, right, heading, speed, groups, foreseen, pace)
-    return mixed if most is None or len(weights) <= most else mixed.likely(most)
+    return mixed if len(weights) <= most else mixed.likely(most)
 
 
 def _padded(array: np.ndarray, legs: int, fill: float) -> np.ndarray:

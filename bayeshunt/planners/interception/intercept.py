@@ -14,7 +14,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel, earlier_poses
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.interception.bouncing import Walls, rooms_futures
-from bayeshunt.planners.interception.futures import Futures, mix
+from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures, mix
 from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
@@ -22,12 +22,6 @@ __all__ = ["InterceptPlanner", "InterceptSettings", "intercept"]
 
 _NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 _TOWARDS = np.array(_NORMALS)
-#: Rooms less probable than this are left out of a decision.
-_NEGLIGIBLE = 0.01
-#: The likeliest futures that a decision is taken over.
-_MOST = 24
-
-
 _REACH = (
     "distance from the start to where the prey turns away from a wall, of the smallest and the largest "
     "room, body lengths"
@@ -44,8 +38,11 @@ class InterceptSettings(TurningSettings):
     farthest: Number = setting(18.0, _REACH, range="0 < nearest < farthest", gt=0)
     sizes: Count = setting(8, "rooms between them, log-spaced", ge=2)
     slack: Number = setting(0.6, "body lengths over which a turn before or after the wall is believed", gt=0)
-    error: Number = setting(
-        0.03, "probability that a prey turns away from the walls, or meets one without turning", gt=0, lt=0.5
+    error: Number | None = setting(
+        None,
+        "probability that a prey turns away from the walls, or meets one without turning; by default hazard",
+        gt=0,
+        lt=0.5,
     )
 
     def __post_init__(self) -> None:
@@ -105,13 +102,13 @@ class InterceptPlanner(TurningPlanner):
         legs = self.legs(situation)
         known = self.prior.learn(legs)
         chances = self._posterior(situation.pose.compose(situation.prey), legs, known)
-        likely = [(c, walls) for walls, c in zip(self.walls, chances.tolist(), strict=False) if c >= _NEGLIGIBLE]
+        likely = [(c, walls) for walls, c in zip(self.walls, chances.tolist(), strict=False) if c >= NEGLIGIBLE]
         speed = known.speed / self.leg
         chance, bounced = rooms_futures(situation.prey, situation.pose, likely, speed, known.drift, self.leg)
         parts = [(float(chances[-1]), self.turning(situation, known))]
         if bounced is not None:
             parts.append((chance, bounced))
-        return mix(parts, _MOST)
+        return mix(parts)
 
     def rooms(self, situation: Situation) -> pd.DataFrame:
         """Return the belief, one row per size and the last for no room: size [m, inf: none], probability, before."""
@@ -159,7 +156,8 @@ class InterceptPlanner(TurningPlanner):
         along = _TOWARDS @ np.array([pose.x, pose.y])
         ahead = towards > 1e-9
         gaps = np.maximum((self.sizes[:, None] - along[ahead]) / towards[ahead], 0.0).min(axis=1)
-        error = self.settings.error
+        chosen = self.settings
+        error = chosen.hazard if chosen.error is None else chosen.error
         chance: np.ndarray = 1.0 / (1.0 + np.exp(np.clip((gaps - step) / self.slack, -50.0, 50.0)))
         return error + (1.0 - 2.0 * error) * chance
 

@@ -17,16 +17,12 @@ from bayeshunt.models.target.turns import earlier_poses
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
-from bayeshunt.planners.interception.futures import Futures, mix
+from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures, mix
 from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
 __all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
 
-#: What is less probable than this is left out of a decision.
-_NEGLIGIBLE = 0.05
-#: The likeliest futures that a decision is taken over.
-_MOST = 12
 #: A leg of the prey met a wall if it ends this many body lengths beyond it, and none if it ends so far before.
 _WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
 
@@ -97,11 +93,11 @@ class InterceptWallsPlanner(TurningPlanner):
         stray = 1.0 - (1.0 - habits.hazard) ** self.settings.turn_steps
         slides = (1.0 - stray) * habits.keeping
         parts = [(1.0 - stray - slides, turned)]
-        if stray > _NEGLIGIBLE:
+        if stray > NEGLIGIBLE:
             parts.append((stray, self.turning(situation, known)))
-        if slides > _NEGLIGIBLE and speed > 0:
+        if slides > NEGLIGIBLE and speed > 0:
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
-        return mix(parts, _MOST) if len(parts) > 1 else turned
+        return mix(parts) if len(parts) > 1 else turned
 
     def own_walls(self) -> Walls:
         """Return the walls of the room."""
