@@ -57,7 +57,7 @@ class Row:
 
 
 _BASELINES = ("pure_pursuit", "proportional_navigation", "constant_velocity")
-_OURS = ("intercept", "belief", "intercept_room", "intercept_walls")
+_OURS = ("intercept", "belief", "intercept_walls")
 _MEMORIES = ("frugal", "memory", "memory_place", "memory_previous")
 _BOUNDS = ("reference", "omniscient", "kinematic_limit")
 FINAL = (
@@ -79,11 +79,10 @@ ABLATION = (
     Row("intercept", {"turn_steps": 2}),
     Row("intercept", {"spread": 0.02}),
     Row("intercept", {"spread": 0.2}),
-    Row("intercept_room", {"room_chance": 0.0}),
-    Row("intercept_room", {"room_chance": 0.2}),
-    Row("intercept_room"),
-    Row("intercept_room", {"room_chance": 0.4}),
-    Row("intercept_room", {"room_chance": 0.6}),
+    Row("intercept", {"room_chance": 0.0}),
+    Row("intercept", {"room_chance": 0.2}),
+    Row("intercept", {"room_chance": 0.4}),
+    Row("intercept", {"room_chance": 0.6}),
     Row("intercept_walls"),
     Row("intercept_walls", {"prior_speed": 1.0}),
     Row("intercept_walls", {"heading_price": 0.7}),
@@ -97,7 +96,6 @@ _QUIET = {**_QUIET_PREY, "robot.noise.slip": 0.0, "robot.noise.drift_sd": 0.0}
 #: From what a hunt can teach to what nobody can know, one step at a time.
 GAP = (
     Row("intercept"),
-    Row("intercept_room"),
     Row("intercept_walls"),
     Row("intercept_walls", {"prior_speed": 1 / 1.2}),
     Row(FORESEEN),

@@ -1,13 +1,16 @@
 """Planners in worlds that they were not chosen in: one table, paired on the same hunts, each held against a bound.
 
 ``python -m benchmarks.worlds [WORLD ...] [--planner NAME ...] [--arena open|walled] [--runs 10] [--seed 0 ...]
-[--cache FOLDER] [--keep NAME ...] [--figure FILE.svg] [--json FILE]``
+[--cache FOLDER] [--show] [--figure FILE.svg] [--json FILE]``
 
 WORLD: a name of the table below, or a preset with settings, such as ``paper,robot.gait_duration=1.664``; several
 settings are several commas. By default all of the table. ``--runs`` is per bearing and seed. Every planner meets the
-same prey and the same noise, so that differences are paired. A result is kept in the cache under what it depends
-on, this package's code included: a second run only hunts what is missing, and more ``--runs`` only the further ones.
-``--keep NAME`` takes results of that planner from earlier code, where you know that it has not changed.
+same prey and the same noise, so that differences are paired.
+
+Hunts are kept in the cache, run by run: the command can be stopped and goes on where it was, and more ``--runs`` only
+hunt the further ones. Each result says the code that made it. One of earlier code comes first: its run 0 is hunted
+again, and if a single hunt ends in another way all of its hunts are thrown away. ``--show`` hunts nothing and prints
+what there is, with a + at planners whose hunts are of earlier code.
 
 Columns: caught, 95 % Wilson interval, mean time (a miss counts the time limit), difference of the mean time to the
 bound's and to that of the best of the simpler planners, each with its standard error over paired hunts, and CPU time
@@ -20,6 +23,7 @@ import argparse
 import ast
 import hashlib
 import json
+import sys
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -116,45 +120,76 @@ def _is_text(line: ast.stmt) -> bool:
 
 @dataclass
 class Cell:
-    """A planner in an arena of a world, with one seed: the ends (time, caught) of its hunts by run, at all bearings."""
+    """A planner in an arena of a world, with one seed: the ends (time, caught) of its hunts by run, at all bearings.
 
-    ends: dict[int, list[tuple[float, bool]]]
+    made_by: digest of the code that hunted them.
+    """
+
+    world: World
+    row: Row
+    arena: str
+    seed: int
+    path: Path
+    ends: dict[int, list[tuple[float, bool]]] = field(default_factory=dict)
     decision_ms: float = 0.0
+    made_by: str = ""
 
+    @classmethod
+    def of(cls, world: World, row: Row, arena: str, seed: int, folder: Path) -> Cell:
+        """Return what has been hunted of it."""
+        facts = [world.settings.model_dump(mode="json"), row.planner, row.settings, arena, seed]
+        stem = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+        found = cls(world, row, arena, seed, folder / f"{stem}.json")
+        if found.path.exists():
+            stored = json.loads(found.path.read_text())
+            found.ends = {int(run): [tuple(end) for end in ends] for run, ends in stored["ends"].items()}
+            found.decision_ms, found.made_by = stored["ms"], stored["code"]
+        return found
 
-def cell(world: World, row: Row, arena: str, seed: int, runs: int, folder: Path, keep: Sequence[str]) -> Cell:
-    """Return a cell with at least ``runs`` runs per bearing: from the cache, and what is missing hunted now."""
-    settings = world.settings
-    what = json.dumps([settings.model_dump(mode="json"), row.planner, row.settings, arena, seed], sort_keys=True)
-    stem = hashlib.sha256(what.encode()).hexdigest()[:24]
-    path = folder / f"{stem}-{code()}.json"
-    older = sorted(folder.glob(f"{stem}-*.json"), key=lambda one: one.stat().st_mtime)
-    source = path if path.exists() else older[-1] if older and row.planner in keep else None
-    found = Cell({})
-    if source is not None:
-        stored = json.loads(source.read_text())
-        found = Cell({int(run): [tuple(end) for end in ends] for run, ends in stored["ends"].items()}, stored["ms"])
-    missing = [run for run in range(runs) if run not in found.ends]
-    if missing:
-        given = table(row.planner, settings.model_dump_json())
-        planner, timed = prepared(settings, row, given, arena, seed)
+    @property
+    def is_old(self) -> bool:
+        """Whether other code than the present one hunted it."""
+        return bool(self.ends) and self.made_by != code()
+
+    def hunt(self, runs: int) -> None:
+        """Hunt what is missing of ``runs`` runs, and again what earlier code did that the present one does not."""
+        missing = [run for run in range(runs) if run not in self.ends]
+        if not (missing or self.is_old):
+            return
+        settings = self.world.settings
+        planner, timed = prepared(
+            settings, self.row, table(self.row.planner, settings.model_dump_json()), self.arena, self.seed
+        )
+
+        def ends(run: int) -> list[tuple[float, bool]]:
+            thetas = enumerate(settings.protocol.thetas)
+            hunts = (run_hunt(settings, planner, self.arena, at, hunt_seed(self.seed, i, run)) for i, at in thetas)
+            return [(hunt.time, bool(hunt.caught)) for hunt in hunts]
+
+        if self.is_old and (again := ends(0)) != self.ends[0]:
+            self.ends = {0: again}
+            missing = list(range(1, runs))
+        self.made_by = code()
         for run in missing:
-            found.ends[run] = [
-                (end.time, bool(end.caught))
-                for end in (
-                    run_hunt(settings, planner, arena, theta, hunt_seed(seed, index, run))
-                    for index, theta in enumerate(settings.protocol.thetas)
-                )
-            ]
-        found.decision_ms = 1e3 * float(np.median(timed or [0.0]))
-        folder.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"ends": found.ends, "ms": found.decision_ms}) + "\n")
-    return found
+            self.ends[run] = ends(run)
+            self.decision_ms = 1e3 * float(np.median(timed or [0.0]))
+            self.keep()
+        self.keep()
+
+    def keep(self) -> None:
+        """Write it."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        facts = {"world": self.world.name, "arena": self.arena, "planner": self.row.label, "seed": self.seed,
+                 "code": self.made_by, "ms": self.decision_ms, "ends": self.ends}  # fmt: skip
+        self.path.write_text(json.dumps(facts) + "\n")
 
 
 @dataclass(frozen=True)
 class Score:
-    """What a planner did in an arena of a world, all seeds together; times [s] in the order of the hunts."""
+    """What a planner did in an arena of a world, all seeds together; times [s] in the order of the hunts.
+
+    is_old: whether some of them were hunted by earlier code.
+    """
 
     world: str
     arena: str
@@ -162,6 +197,7 @@ class Score:
     times: np.ndarray
     caught: int
     decision_ms: float
+    is_old: bool = False
 
     @property
     def mean(self) -> float:
@@ -174,18 +210,21 @@ class Score:
         return float(gap.mean()), float(gap.std() / len(gap) ** 0.5)
 
 
-def measure(world: World, rows: Sequence[Row], given: argparse.Namespace) -> Iterator[list[Score]]:
-    """Yield the scores of all rows, arena by arena."""
-    for arena in world.arenas:
-        if given.arena in (None, arena):
-            scores = []
-            for row in rows:
-                cells = [cell(world, row, arena, seed, given.runs, given.cache, given.keep) for seed in given.seed]
-                ends = [end for one in cells for run in range(given.runs) for end in one.ends[run]]
-                times, caught = np.array([time for time, _ in ends]), sum(catch for _, catch in ends)
-                ms = float(np.mean([one.decision_ms for one in cells]))
-                scores.append(Score(world.name, arena, row, times, caught, ms))
-            yield scores
+def scores(cells: Sequence[Cell], runs: int) -> Iterator[list[Score]]:
+    """Yield the scores of all planners, place by place, over the runs that all of them have there."""
+    places: dict[tuple[str, str], dict[str, list[Cell]]] = {}
+    for one in cells:
+        places.setdefault((one.world.name, one.arena), {}).setdefault(one.row.label, []).append(one)
+    for (world, arena), rows in places.items():
+        common = range(min(runs, *(len(one.ends) for row in rows.values() for one in row)))
+        found = []
+        for row in rows.values() if common else ():
+            ends = [end for one in row for run in common for end in one.ends[run]]
+            times, caught = np.array([time for time, _ in ends]), sum(catch for _, catch in ends)
+            ms = float(np.mean([one.decision_ms for one in row]))
+            old = any(one.is_old for one in row)
+            found.append(Score(world, arena, row[0].row, times, caught, ms, old))
+        yield found
 
 
 HEAD = (
@@ -204,8 +243,9 @@ def lines(scores: Sequence[Score], bound: str) -> Iterator[str]:
             "" if other is None or other is score else "{:+.2f} ± {:.2f}".format(*score.against(other))
             for other in (limit, best if score.row.planner not in (*SIMPLER, *BOUNDS) else None)
         ]
+        name = score.row.label + "+" * score.is_old
         yield (
-            f"| {score.world} | {score.arena} | {score.row.label} | {score.caught}/{len(score.times)} | "
+            f"| {score.world} | {score.arena} | {name} | {score.caught}/{len(score.times)} | "
             f"{score.caught / len(score.times):.1%} | {low:.1%} to {high:.1%} | {score.mean:.2f} | "
             f"{gaps[0]} | {gaps[1]} | {score.decision_ms:.2f} |"
         )
@@ -258,27 +298,38 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=10, help="per bearing and seed (10)")
     parser.add_argument("--seed", type=int, action="append", help="by default 0")
     parser.add_argument("--cache", type=Path, default=Path("results/worlds"), help="folder of results (results/worlds)")
-    parser.add_argument("--keep", action="append", default=[], metavar="PLANNER")
+    parser.add_argument("--show", action="store_true", help="hunt nothing, print what there is")
     parser.add_argument("--figure", type=Path)
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     given.seed = given.seed or [0]
     worlds = [World.read(text) for text in given.world or WORLDS]
-    found: list[list[Score]] = []
-    print(HEAD)
-    for world in worlds:
-        names = dict.fromkeys(
-            [*(given.planner or PLANNERS), *([world.bound] if given.figure or not given.planner else ())]
-        )
-        for scores in measure(world, [Row(name) for name in names], given):
-            found.append(scores)
-            print("\n".join(lines(scores, world.bound)), flush=True)
+    names = {
+        world.name: dict.fromkeys([*(given.planner or PLANNERS), *(() if given.planner else (world.bound,))])
+        for world in worlds
+    }
+    cells = [
+        Cell.of(world, Row(name), arena, seed, given.cache)
+        for world in worlds for arena in world.arenas if given.arena in (None, arena)
+        for name in names[world.name] for seed in given.seed
+    ]  # fmt: skip
+    if not given.show:
+        for number, one in enumerate(sorted(cells, key=lambda one: not one.is_old), 1):
+            print(
+                f"\r{number}/{len(cells)} {one.world.name}, {one.arena}: {one.row.label}\033[K", end="", file=sys.stderr
+            )
+            one.hunt(given.runs)
+        print(file=sys.stderr)
+    found = [row for row in scores(cells, given.runs) if row]
+    bounds = {world.name: world.bound for world in worlds}
+    print("\n".join([HEAD, *(line for row in found for line in lines(row, bounds[row[0].world]))]))
     if given.figure:
-        draw(found, {world.name: world.bound for world in worlds}, given.figure)
+        draw(found, bounds, given.figure)
     if given.json:
         facts = [
             {"world": s.world, "arena": s.arena, "planner": s.row.label, "runs": len(s.times), "caught": s.caught,
-             "mean_time_s": s.mean, "decision_ms": s.decision_ms} for scores in found for s in scores
+             "mean_time_s": s.mean, "decision_ms": s.decision_ms, "earlier_code": s.is_old}
+            for row in found for s in row
         ]  # fmt: skip
         given.json.write_text(json.dumps({"seeds": given.seed, "rows": facts}, indent=1) + "\n")
 

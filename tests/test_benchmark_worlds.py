@@ -41,19 +41,53 @@ def test_a_world_is_a_name_or_a_preset_with_settings(worlds):
 
 
 def test_only_what_is_missing_is_hunted(worlds, hunted, tmp_path, monkeypatch):
-    row, world = worlds.Row("planning"), worlds.World.read("paper")
-    first = worlds.cell(world, row, "open", 0, 2, tmp_path, [])
+    def cell(seed=0):
+        return worlds.Cell.of(worlds.World.read("paper"), worlds.Row("planning"), "open", seed, tmp_path)
+
+    first = cell()
+    first.hunt(2)
     assert hunted == [*range(7)] * 2
-    assert worlds.cell(world, row, "open", 0, 2, tmp_path, []).ends == first.ends
-    worlds.cell(world, row, "open", 0, 3, tmp_path, [])
+    cell().hunt(2)
+    assert cell().ends == first.ends
+    cell().hunt(3)
     assert len(hunted) == 7 * 3
-    worlds.cell(world, row, "open", 1, 1, tmp_path, [])  # another seed
+    cell(seed=1).hunt(1)
     assert len(hunted) == 7 * 4
+
+
+def test_results_of_earlier_code_are_kept_if_the_first_run_ends_alike(worlds, hunted, tmp_path, monkeypatch):
+    one = worlds.Cell.of(worlds.World.read("paper"), worlds.Row("planning"), "open", 0, tmp_path)
+    one.hunt(3)
     monkeypatch.setattr(worlds, "code", lambda: "changed")
-    worlds.cell(world, row, "open", 0, 3, tmp_path, ["planning"])  # kept, though the code is another
+    assert one.is_old
+    one.hunt(3)
+    assert not one.is_old
     assert len(hunted) == 7 * 4
-    worlds.cell(world, row, "open", 0, 3, tmp_path, [])
+    monkeypatch.setattr(worlds, "code", lambda: "changed again")
+    one.ends = {run: [(time + 0.1, caught) for time, caught in ends] for run, ends in one.ends.items()}
+    one.hunt(3)
     assert len(hunted) == 7 * 7
+    assert [time for time, _ in one.ends[2]] == [*range(7)]
+
+
+def test_rows_of_earlier_code_are_marked_and_hunted_first(worlds, hunted, tmp_path, monkeypatch, capsys):
+    def run(*words):
+        monkeypatch.setattr(
+            sys, "argv", ["x", "--runs", "1", "--cache", str(tmp_path), "--planner", "planning", *words]
+        )
+        worlds.main()
+        return capsys.readouterr().out
+
+    run("evader")
+    monkeypatch.setattr(worlds, "code", lambda: "changed")
+    shown = run("--show", "straight prey", "evader")
+    assert "| evader | walled | planning+ | 6/7 |" in shown
+    assert "straight prey" not in shown
+    assert len(hunted) == 7
+    order = []
+    monkeypatch.setattr(worlds, "prepared", lambda settings, *given: (order.append(settings.prey.behaviour), ())[::-1])
+    assert "planning |" in run("straight prey", "evader")
+    assert order == ["evader", "straight"]
 
 
 def test_the_table_is_paired_and_the_figure_drawn(worlds, hunted, tmp_path, monkeypatch, capsys):

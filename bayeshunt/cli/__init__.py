@@ -24,7 +24,7 @@ from bayeshunt.cli import doctor  # noqa: F401  isort: skip
 from bayeshunt.cli.app import app
 from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
-from bayeshunt.core.errors import BayesHuntError, DataWarning, InputError
+from bayeshunt.core.errors import BayesHuntError, DataWarning, DeprecatedNameWarning, InputError
 
 #: The warnings that this command has printed.
 _SAID: set[str] = set()
@@ -34,6 +34,7 @@ def main() -> None:
     """Run the command line; exit 2 for wrong input, 1 for failed work, each with one line on stderr."""
     warnings.showwarning = _show_warning  # type: ignore[assignment]  # the places are of no use here
     warnings.simplefilter("always", DataWarning)
+    warnings.simplefilter("always", DeprecatedNameWarning)
     _SAID.clear()
     with remembered_output() as output:
         try:
@@ -71,8 +72,9 @@ def _run() -> int:
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
-    """A warning about the input is one line, said once; the others are not for users of commands."""
-    if issubclass(category, DataWarning) and sys.stderr is not None and str(message) not in _SAID:
+    """A warning about the input, or of a name that is to go, is one line, said once; others are not for users."""
+    told = issubclass(category, (DataWarning, DeprecatedNameWarning))
+    if told and sys.stderr is not None and str(message) not in _SAID:
         _SAID.add(str(message))
         with contextlib.suppress(OSError):
             print(f"bayeshunt: warning: {' '.join(str(message).split())}", file=sys.stderr, flush=True)

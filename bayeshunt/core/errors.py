@@ -17,6 +17,7 @@ __all__ = [
     "ConfigError",
     "DataError",
     "DataWarning",
+    "DeprecatedNameWarning",
     "FolderInUseError",
     "ImpossibleEvidenceError",
     "InputError",
@@ -49,6 +50,10 @@ class DataError(InputError):
 
 class DataWarning(UserWarning):
     """Numbers that can be right but hardly are: degrees for radians, millimetres for metres. Says the fix."""
+
+
+class DeprecatedNameWarning(DeprecationWarning):
+    """A name that is to go. Says what to write instead, and in which version it goes."""
 
 
 class ModelFileError(InputError):

@@ -33,6 +33,7 @@ class PlannerInfo:
         walls, learned by babbling there, is the one it can.
     hunts: False for a bound that is computed from the start of a hunt and makes no plans.
     maker: the command that makes the file it needs, such as "bayeshunt reference".
+    deprecated: what to write instead, and until when this name works; empty if it is here to stay.
 
     Raises InputError for values of another kind.
     """
@@ -43,6 +44,7 @@ class PlannerInfo:
     prepare: str | None = None
     hunts: bool = True
     maker: str = ""
+    deprecated: str = ""
 
     def __post_init__(self) -> None:
         if not isinstance(self.needs, (tuple, list, set, frozenset)) or not all(

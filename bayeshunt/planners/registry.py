@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import inspect
 import typing
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 from bayeshunt.core.arguments import checked, checked_but
 from bayeshunt.core.checks import check_kind
-from bayeshunt.core.errors import BayesHuntError, InputError, did_you_mean
+from bayeshunt.core.errors import BayesHuntError, DeprecatedNameWarning, InputError, did_you_mean
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.asking import Timed, check_can_plan, failure
@@ -176,6 +177,7 @@ def make_planner(name: str, model: ForwardModel, **settings: Any) -> Planner:
     Raises InputError for an unknown name or an unknown or wrong setting, or if somebody's own factory fails.
     """
     entry = find_planner(name)
+    _warn_if_deprecated(name)
     _check_names(name, settings)
     check_kind(model, f"planner {name!r}", ForwardModel, "a ForwardModel to plan with")
     try:
@@ -226,6 +228,7 @@ def check_sections(sections: Mapping[str, Mapping[str, Any]]) -> None:
 
 def check_hunts(name: str) -> None:
     """Raise InputError unless the planner called ``name`` is one that hunts."""
+    _warn_if_deprecated(name)
     if not find_planner(name).info.hunts:
         raise InputError(f"{name} is a bound that no gaits reach: it can be evaluated, not hunted with")
 
@@ -233,6 +236,12 @@ def check_hunts(name: str) -> None:
 def check_needs(name: str, given: Mapping[str, Any]) -> None:
     """Raise InputError unless the settings ``given`` to a planner hold all that it cannot do without."""
     find_planner(name).info.check_given(name, given)
+
+
+def _warn_if_deprecated(name: str) -> None:
+    """Warn of a name that is to go."""
+    if said := planner_info(name).deprecated:
+        warnings.warn(f"planner {name!r} is deprecated: {said}", DeprecatedNameWarning, stacklevel=4)
 
 
 def _check_names(name: str, settings: Mapping[str, Any]) -> None:

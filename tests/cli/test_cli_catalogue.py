@@ -131,3 +131,10 @@ def test_defaults_are_said_as_a_settings_file_says_them(bayeshunt, monkeypatch):
     said = " ".join(out.split())
     assert not re.search(r"\b(None|True|False|string|boolean|integer|array)\b", said)
     assert "Ornstein-Uhlenbeck" in out
+
+
+def test_a_deprecated_planner_is_one_line_on_stderr(bayeshunt, folder):
+    words = ("hunt", "--preset", "paper", "--planner", "intercept_room", "--arena", "open")
+    said = 'is deprecated: write "intercept", the same hunter; it goes in 0.3'
+    warned = f"bayeshunt: warning: planner 'intercept_room' {said}"
+    assert [line for line in bayeshunt(*words)[1].splitlines() if "deprecated" in line] == [warned]

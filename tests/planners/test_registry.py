@@ -19,7 +19,7 @@ from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.planners import registry
 from bayeshunt.planners.api import Plan, Planner, Situation
 from bayeshunt.planners.conformance import check_planner, same_plan
-from bayeshunt.planners.registry import make_planner, planner_names, register_planner
+from bayeshunt.planners.registry import check_hunts, make_planner, planner_names, register_planner
 
 
 @pytest.fixture
@@ -200,3 +200,18 @@ def test_a_plan_needs_no_more_than_its_gait(model, worker):
     assert "no value, a rule decides" in str(plan)
     assert "straight" in plan._repr_html_()
     assert Plan("straight", ("straight", "left"), 0.2).gaits == ("straight", "left")
+
+
+def test_a_deprecated_name_goes_on_working_and_says_what_to_write(model):
+    with pytest.warns(DeprecationWarning, match="planner 'intercept_room' is deprecated: write \"intercept\".* in 0.3"):
+        planner = make_planner("intercept_room", model, room_chance=0.2)
+    assert planner.settings.room_chance == 0.2
+    with pytest.warns(DeprecationWarning, match="intercept_room"):
+        check_hunts("intercept_room")
+
+
+def test_no_other_name_that_ships_is_deprecated(recwarn):
+    for name in planner_names():
+        if name not in ("intercept_room", "kinematic_limit"):
+            check_hunts(name)
+    assert not [one for one in recwarn if issubclass(one.category, DeprecationWarning)]

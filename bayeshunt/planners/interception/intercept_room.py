@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from bayeshunt.planners.info import PlannerInfo
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
 from bayeshunt.planners.settings import planner_settings
 
@@ -21,6 +22,7 @@ class InterceptRoomPlanner(InterceptPlanner):
     """The same hunter as ``intercept``, which guesses the room it is in too: kept for those who name it."""
 
     name = "intercept_room"
+    info = PlannerInfo(deprecated='write "intercept", the same hunter; it goes in 0.3')
     Settings = RoomGuessSettings
 
 
