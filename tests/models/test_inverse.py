@@ -20,6 +20,8 @@ from bayeshunt.models.body.inverse import InverseModel
 AXES = small_axes(1, 36, 8, width=0.1)
 FRONT, BESIDE = 18, 27  # angle bins of 0 and 90 degrees
 
+pytestmark = pytest.mark.filterwarnings("ignore:target distance:bayeshunt.DataWarning")  # some ask far beyond it
+
 
 @pytest.fixture
 def three_cells() -> InverseModel:
@@ -135,7 +137,6 @@ def test_the_cell_used_is_own_or_nearest(seed: int, targets: list[tuple[float, f
         assert used <= gaps.min() + 1e-9 * (1.0 + distance)
 
 
-@pytest.mark.filterwarnings("ignore:target distance:bayeshunt.DataWarning")  # far beyond what was learned, too
 def test_many_answers_equal_single_answers(inverse: InverseModel) -> None:
     rng = np.random.default_rng(5)
     distances = np.r_[rng.uniform(0.0, 0.3, 3000), rng.exponential(2.0, 500), 10 ** rng.uniform(-9, 11, 300), 0.0]
