@@ -47,6 +47,7 @@ def open_page(browser):
 
     def opened(address: str | Path, **settings):
         context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **settings})
+        context.set_default_navigation_timeout(120_000)  # marimo loads hundreds of files
         contexts.append(context)
         page, watch = context.new_page(), Watch()
         page.on("console", lambda m: watch.errors.append(m.text) if m.type in ("error", "warning") else None)
