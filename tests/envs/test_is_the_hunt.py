@@ -10,7 +10,7 @@ from bayeshunt.episodes.loop import hunt
 from bayeshunt.planners.policy import planner_policy, policy_planner
 from bayeshunt.planners.registry import make_planner
 
-pytestmark = pytest.mark.filterwarnings("error")
+pytestmark = [pytest.mark.filterwarnings("error"), pytest.mark.filterwarnings("ignore:planner .* is deprecated")]
 
 
 @pytest.mark.parametrize("name", ["planning", "intercept", "prediction"])
