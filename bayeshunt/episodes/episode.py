@@ -104,7 +104,8 @@ class Episode(displays.Displayed):
         if "energy" not in self.provenance:
             return ""
         energy, changes, falls = (self.provenance[name] for name in ("energy", "changes", "falls"))
-        return f"{energy:.1f} J, {changes} changes of gait, {falls} falls"
+        turned, fell = "change" if changes == 1 else "changes", "fall" if falls == 1 else "falls"
+        return f"{energy:.1f} J, {changes} {turned} of gait, {falls} {fell}"
 
     @checked
     def save(self, path: str | os.PathLike[str]) -> None:
