@@ -16,10 +16,10 @@ from bayeshunt.episodes.tracing_cells import cell_interval
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.planners.api import Plan
 
-__all__ = ["Rests", "rests_on", "stored", "with_answers"]
+__all__ = ["AnswerCells", "answer_cells", "stored", "with_answers"]
 
 
-class Rests(NamedTuple):
+class AnswerCells(NamedTuple):
     """The cells behind P(Gait | evidence), V variables ("Gait" first, then those observed) and G gaits.
 
     within: ends of the posterior's 95 % interval [2, G]. states: the bins, "" of Gait. factors: what multiplies [V, G].
@@ -36,13 +36,13 @@ class Rests(NamedTuple):
     high: np.ndarray | None = None
 
 
-def rests_on(answer: Posterior, *, within: bool = True) -> Rests:
+def answer_cells(answer: Posterior, *, within: bool = True) -> AnswerCells:
     """Return the cells behind an answer; ``within``: and its interval, which costs most."""
     model, evidence = answer.model, answer.cell.evidence
     factors = trace_answer(answer).factors.drop(columns=["product", "posterior"]).to_numpy().T
     variables, states = ["Gait", *evidence], ["", *evidence.values()]
     if not model.has_counts:
-        return Rests(variables, states, factors)
+        return AnswerCells(variables, states, factors)
     counts, ends = [model.counts("Gait").to_numpy()[:, 0]], [cell_interval(model, "Gait")]
     for variable, state in evidence.items():
         at = list(model.states[variable]).index(state)
@@ -50,25 +50,29 @@ def rests_on(answer: Posterior, *, within: bool = True) -> Rests:
         ends.append(cell_interval(model, variable, at))
     low, high = np.stack(ends, axis=1)
     found = answer.interval()[["low", "high"]].to_numpy().T if within else None
-    return Rests(variables, states, factors, found, np.stack(counts).astype(int), low, high)
+    return AnswerCells(variables, states, factors, found, np.stack(counts).astype(int), low, high)
 
 
 def with_answers(frame: pd.DataFrame, plans: Sequence[Plan]) -> pd.DataFrame:
-    """Return an episode's table with ``answer_*``, lists of what :class:`Rests` has, row after row; as it is where no
-    plan carries an answer."""
+    """Return an episode's table with ``answer_*``: what :class:`AnswerCells` has, as lists, row after row.
+
+    The table as it is where no plan carries an answer.
+    """
     if not any(plan.answer is not None for plan in plans):
         return frame
-    found = [None if plan.answer is None else rests_on(plan.answer) for plan in plans]
-    columns: dict[str, Any] = {f"answer_{name}": [_column(rests, name) for rests in found] for name in Rests._fields}
+    found = [None if plan.answer is None else answer_cells(plan.answer) for plan in plans]
+    columns: dict[str, Any] = {
+        f"answer_{name}": [_column(rests, name) for rests in found] for name in AnswerCells._fields
+    }
     return frame.assign(**columns)
 
 
-def _column(rests: Rests | None, name: str) -> list[Any] | None:
+def _column(rests: AnswerCells | None, name: str) -> list[Any] | None:
     value = None if rests is None else getattr(rests, name)
     return None if value is None else np.ravel(value).tolist()
 
 
-def stored(row: Mapping[str, Any]) -> Rests | None:
+def stored(row: Mapping[str, Any]) -> AnswerCells | None:
     """Return what a row of the table keeps of its answer; None if it keeps nothing."""
     if row.get("answer_variables") is None:
         return None
@@ -79,7 +83,7 @@ def stored(row: Mapping[str, Any]) -> Rests | None:
         values = row[f"answer_{part}"]
         return None if values is None else np.asarray(values).reshape(-1, gaits)
 
-    return Rests(
+    return AnswerCells(
         variables, states, np.asarray(row["answer_factors"]).reshape(-1, gaits),
         *(kept(part) for part in ("within", "counts", "low", "high")),
     )  # fmt: skip

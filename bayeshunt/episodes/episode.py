@@ -48,7 +48,7 @@ class Episode(displays.Displayed):
         hunter sees them (a heading is NaN where only the place is predicted);
         ``alternative_values`` the least value under each of ``alternative_gaits``;
         ``considered_*`` every node of ``plan.trace``: gait, parent, value, forward, right, heading, chosen;
-        ``answer_*`` (in an episode read from a file) what its posterior rests on, as ``episodes.answers.Rests`` has it;
+        ``answer_*`` (in an episode read from a file) what its posterior rests on, see ``episodes.answers.AnswerCells``;
         ``prey_table`` the prey's [distance, angle, heading, count] per cell seen. Of a body that measures what it
         spends also ``energy`` [J] and ``falls``, up to the decision.
     trail: both robots' world poses every control interval.

@@ -9,30 +9,30 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.units import label, true_minus
-from bayeshunt.episodes.answers import Rests, rests_on
+from bayeshunt.episodes.answers import AnswerCells, answer_cells
 from bayeshunt.episodes.tracing import trace_answer
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
 from bayeshunt.views.pages.page import number
 
-__all__ = ["opened", "opened_rests"]
+__all__ = ["opened", "opened_cells"]
 
 _MOST_ROWS = 30  # of one cell
 
 
 def opened(answer: Posterior, *, rows: bool = True) -> dict[str, Any]:
-    """Return what trace.js shows of an answer; :func:`opened_rests` says what.
+    """Return what trace.js shows of an answer; :func:`opened_cells` says what.
 
     rows: of the most probable gait's cells, [index, distance, angle, heading] in words, where the model holds rows.
     """
     model, found = answer.model, trace_answer(answer)
-    rests = rests_on(answer, within=False)
+    rests = answer_cells(answer, within=False)
     held = rows and model.has_counts and len(model.data) > 0
-    plain = opened_rests(rests, model.gaits.names, answer.best)
+    plain = opened_cells(rests, model.gaits.names, answer.best)
     return {**plain, "rows": [_rows(found.rows(variable)) for variable in rests.variables] if held else None}
 
 
-def opened_rests(rests: Rests, gaits: Sequence[str], best: str) -> dict[str, Any]:
+def opened_cells(rests: AnswerCells, gaits: Sequence[str], best: str) -> dict[str, Any]:
     """Return the cells behind an answer as plain values.
 
     gaits; variables: "Gait" and those observed; states: their bins as people read them; factors [V, G]: P(Gait) and

@@ -24,7 +24,7 @@ from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar, Pose, wrap
 from bayeshunt.core.units import objective
-from bayeshunt.episodes.answers import Rests, rests_on, stored
+from bayeshunt.episodes.answers import AnswerCells, answer_cells, stored
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
@@ -32,7 +32,7 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
-from bayeshunt.views.opened import opened, opened_rests
+from bayeshunt.views.opened import opened, opened_cells
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
 from bayeshunt.views.pages.replay_belief import belief_of, field_of_view
@@ -177,7 +177,7 @@ def _step(
     if any(cell[3] % 1 for cell in prey_rows):  # expected counts: many cells, most of them hardly likely
         prey_rows = sorted(prey_rows, key=lambda cell: -cell[3])[:_LIKELIEST]
     observed = _polar(row, "observed")
-    rests = stored(row) if answer is None else rests_on(answer)
+    rests = stored(row) if answer is None else answer_cells(answer)
     return {
         "number": int(row["step"]), "time": number(row["time"]), "gait": row["gait"],
         "plan": [[gait, len(list(run))] for gait, run in groupby(plan)],
@@ -198,11 +198,11 @@ def _step(
     }  # fmt: skip
 
 
-def _opened(rests: Rests | None, answer: Posterior | None, settings: ExperimentSettings) -> dict[str, Any] | None:
+def _opened(rests: AnswerCells | None, answer: Posterior | None, settings: ExperimentSettings) -> dict[str, Any] | None:
     """What a decision's posterior is made of; with rows where an answer is at hand."""
     if answer is not None:
         return opened(answer)
-    return None if rests is None else opened_rests(rests, settings.robot.gaits.names, "")
+    return None if rests is None else opened_cells(rests, settings.robot.gaits.names, "")
 
 
 def _bars(row: dict[str, Any], settings: ExperimentSettings) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.core.units import bounds, objective
-from bayeshunt.episodes.answers import Rests
+from bayeshunt.episodes.answers import AnswerCells
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
@@ -86,7 +86,7 @@ def asked_again(row: dict[str, Any], inverse: InverseModel | None, previous: str
     return answer if np.allclose(answer.values, row["posterior"], atol=1e-9) else None
 
 
-def whiskers(rests: Rests | None) -> list[list[Any]] | None:
+def whiskers(rests: AnswerCells | None) -> list[list[Any]] | None:
     """Return low and high end of every P(Gait | target), and both in words; None where nobody can say."""
     if rests is None or rests.within is None:
         return None
