@@ -48,6 +48,7 @@ def evaluation(model_file, out):
             "1", "--quiet", "--out", out)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_the_evaluation_and_room_lets_it_go_on(model_file, tmp_path):
     whole, full = tmp_path / "whole", tmp_path / "full"
     code, _, errors = run(*evaluation(model_file, full), limit=140_000)
@@ -95,7 +96,7 @@ def test_a_folder_that_cannot_be_written(arguments):
     assert arguments[-1] in errors
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_stopped_by_a_signal(model_file, tmp_path, number):
     arguments = [*evaluation(model_file, tmp_path / "r"), "--runs", "500", "--jobs", "2"]
     process = start(*arguments)
