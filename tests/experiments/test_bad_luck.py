@@ -68,7 +68,7 @@ def test_a_full_disk_stops_the_evaluation_and_room_lets_it_go_on(model_file, tmp
     "arguments",
     [
         ("babble", "--steps", "400", "--quiet", "--out", "b.parquet"),
-        ("fit", "in.parquet", "--quiet", "--out", "m.json"),
+        pytest.param(("fit", "in.parquet", "--quiet", "--out", "m.json"), marks=pytest.mark.slow),
     ],
 )
 def test_a_full_disk_leaves_no_half_written_file(arguments, tmp_path, khepera_frame, monkeypatch):

@@ -24,6 +24,7 @@ def model_file(khepera_model, tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_from_results(model_file, khepera_model, tmp_path: Path) -> None:
     settings = bh.load_experiment("paper", {"protocol.runs": 1, "protocol.thetas": (0.0, 3.0)})
     table = bh.evaluate(settings, seed=0, jobs=1, model=khepera_model)
