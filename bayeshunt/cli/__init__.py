@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import sys
 import warnings
 from typing import Any, NoReturn
@@ -65,10 +66,23 @@ def _run() -> int:
     except Exception as error:
         if not hasattr(error, "format_message"):  # not a usage error: a defect, which deserves its traceback
             raise
-        _fail(error.format_message().splitlines()[0] + " (see --help)", 2)
+        _fail(_usage(error), 2)
     if status == 130:  # what typer makes of Ctrl-C
         _fail("stopped", 130)
     return status if isinstance(status, int) else 0
+
+
+def _usage(error: Any) -> str:
+    """What is wrong with the words of a command, in one line; of options that may be meant, the nearest."""
+    near = getattr(error, "possibilities", None) if hasattr(error, "option_name") else None
+    said = f"{error.message}; did you mean {near[0]!r}?" if near else error.format_message().splitlines()[0]
+    return f"{said} (see --help)"
+
+
+def _as_typed(message: Any) -> str:
+    """A message on one line in which what is said both ways, "unit='cm' (--unit cm)", is said as it is typed here."""
+    line = " ".join(str(message).split())
+    return re.sub(r"\b\w+=(?:\([^)]*\)|[^\s()]*) \((--[^)]+)\)", r"\1", line)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
@@ -77,11 +91,11 @@ def _show_warning(message: Warning | str, category: type[Warning], *where: Any) 
     if told and sys.stderr is not None and str(message) not in _SAID:
         _SAID.add(str(message))
         with contextlib.suppress(OSError):
-            print(f"bayeshunt: warning: {' '.join(str(message).split())}", file=sys.stderr, flush=True)
+            print(f"bayeshunt: warning: {_as_typed(message)}", file=sys.stderr, flush=True)
 
 
 def _fail(message: Any, status: int) -> NoReturn:
-    line = " ".join(str(message).split())
+    line = _as_typed(message)
     with contextlib.suppress(OSError):  # nobody can be told
         if sys.stderr is not None:
             print(f"bayeshunt: {line}", file=sys.stderr, flush=True)

@@ -96,6 +96,14 @@ def assess(
     from bayeshunt.views.terminal.assessment import assessment_tables
 
     assessment_tables(result)
+    _say_written(out, csv)
+
+
+def _say_written(*places: Path | None) -> None:
+    """Name the files and folders that were written, if any."""
+    written = [str(place) for place in places if place is not None]
+    if written:
+        typer.echo(f"written: {', '.join(written)}")
 
 
 def _write_tables(result: Any, folder: Path) -> None:
@@ -188,3 +196,4 @@ def score(
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
     forward_table(table, folds_by)
+    _say_written(out, figure)

@@ -12,7 +12,7 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Seed, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.core.errors import InputError
-from bayeshunt.core.units import length
+from bayeshunt.core.units import length, unit_hint
 
 TimeStep = Annotated[float | None, typer.Option(help="A log: seconds of one window, the time that a gait is held.")]
 Gaits = Annotated[
@@ -31,6 +31,10 @@ BodyLength = Annotated[float | None, typer.Option(help="Length of the body [m], 
 
 Licence = Annotated[str | None, typer.Option(help="Licence of the recording, kept in the table's record.")]
 Cite = Annotated[str | None, typer.Option(help="How to cite the recording, kept in the table's record.")]
+
+
+#: Rows of a gait that fill its tables tolerably.
+_FEW = 20
 
 
 def log_options(
@@ -124,7 +128,7 @@ def ingest_tracks(
     from bayeshunt.data.track_report import track_report
 
     if angle not in ("rad", "deg"):
-        raise InputError(f"--angle {angle}: expected rad or deg")
+        raise InputError(f"--angle {angle}: unknown unit{unit_hint(angle, ('rad', 'deg'))}")
     parts = [
         tracks.read_tracks(
             path, rate, unit, scale, y, columns=pairs(columns, "--columns"), keypoint=keypoint,
@@ -174,8 +178,21 @@ def ingest_log(
     record.update(_said_of_it(licence, cite))
     babbling_table.save(table, out)
     facts = {"out": str(out), "rows": len(table), "gaits": len(record["repertoire"]["gaits"]), **record}
-    lines = [*recorded_notes(record, files[0]), f"{out}: {len(table)} rows of {facts['gaits']} gaits"]
-    tell(facts, as_json, "\n".join([*lines, f"next: bayeshunt fit {shlex.quote(str(out))} --out model.json"]))
+    lines = [*recorded_notes(record, files[0]), f"{out}: {len(table)} rows of {facts['gaits']} gaits{_few(table)}"]
+    tell(
+        facts,
+        as_json,
+        "\n".join([*lines, f"next: bayeshunt fit {shlex.quote(str(out))} --prior 0.03 --out model.json"]),
+    )
+
+
+def _few(table: Any) -> str:
+    """What a reader should know about gaits of few rows; "" where there are enough."""
+    counts = table["gait"].value_counts()
+    if counts.median() >= _FEW:
+        return ""
+    return (f"; {counts.min()} to {counts.max()} rows a gait are few for tables of 36 angles: drive on, take "
+            "fewer gaits, or wider bins (fit --auto-bins)")  # fmt: skip
 
 
 def _said_of_it(licence: str | None, cite: str | None) -> dict[str, str]:

@@ -188,10 +188,11 @@ def opened(data: list[Path], asked: Any, robot: str | None) -> tuple[list[Any], 
 
 
 def _some_target(model: Any) -> str:
-    """Options of query that ask for a place that babbling reached."""
-    cells, (distance, angle, _) = model.binned.learned_cells, model.binned.axes
-    near, turned = cells[len(cells) // 2]
-    return f"--distance {distance.centres[near]:.3g} --angle {angle.centres[turned]:.2g}"
+    """Options of query that ask for a place where babbling led often, well away from where the robot began."""
+    cells, rows, axes = model.binned.learned_cells, model.binned.joint.support, model.binned.axes
+    far = cells[cells[:, 0] >= sorted(cells[:, 0])[len(cells) // 2]]
+    near, turned = max(far.tolist(), key=lambda cell: rows[*cell])
+    return f"--distance {axes.distance.centres[near]:.3g} --angle {axes.angle.centres[turned]:.2g}"
 
 
 @app.command(short_help="Ask which gait reaches a target, and on what grounds.")

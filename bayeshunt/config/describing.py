@@ -12,7 +12,7 @@ from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.config.schema.mujoco import MujocoGait, MujocoSettings
 from bayeshunt.core.errors import ConfigError, did_you_mean
 
-__all__ = ["describe", "keys_at"]
+__all__ = ["describe", "keys_at", "keys_ending_in"]
 
 
 def describe(kind: str) -> list[dict[str, Any]]:
@@ -45,6 +45,11 @@ def keys_at(kind: Any, location: tuple[Any, ...]) -> list[str]:
         if part in fields:
             kind = _settings_inside(fields[part].annotation) or kind
     return list(getattr(kind, "model_fields", {}))
+
+
+def keys_ending_in(kind: type[BaseModel], name: str) -> list[str]:
+    """Return the dotted keys of settings whose last part is ``name``."""
+    return [key["key"] for key in _describe(kind, "") if key["key"].rpartition(".")[2] == name]
 
 
 #: Groups whose description says what is in them.

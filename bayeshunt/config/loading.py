@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from bayeshunt.config.describing import describe, keys_at
+from bayeshunt.config.describing import describe, keys_at, keys_ending_in
 from bayeshunt.config.plausibility import warn_implausible
 from bayeshunt.config.scaling import absolute, rescaled
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
@@ -279,8 +279,9 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     place = tuple(part for part in first["loc"] if part not in FORMS)
     key = _key(place, values)
     if first["type"] == "extra_forbidden":
-        hint = did_you_mean(place[-1], keys_at(kind, place[:-1]))
-        return f"{key}: unknown key{hint or '; it is not a setting'}"
+        known = keys_at(kind, place[:-1])
+        hint = did_you_mean(place[-1], known, listed=False) or _elsewhere(kind, place[-1], first.get("input"))
+        return f"{key}: unknown key{hint or did_you_mean(place[-1], known) or '; it is not a setting'}"
     if first["type"] == "missing":
         return f"{key}: required, but not given"
     message = str(first["msg"]).removeprefix("Value error, ")
@@ -289,6 +290,13 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     given = first.get("input")
     shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) and ", got " not in message else ""
     return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
+
+
+def _elsewhere(kind: type[BaseModel], name: Any, value: Any) -> str:
+    """How an error about an unknown key ends whose name, or that of the setting in it, stands in another group."""
+    leaf = next(iter(value)) if isinstance(value, dict) and len(value) == 1 else name
+    found = keys_ending_in(kind, str(leaf))
+    return f"; did you mean {' or '.join(map(repr, found))}?" if 0 < len(found) < 4 else ""
 
 
 def _key(location: tuple[int | str, ...], values: Any) -> str:

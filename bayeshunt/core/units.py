@@ -8,9 +8,18 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 
-__all__ = ["bounds", "degrees", "in_unit", "label", "length", "objective", "speed", "theta", "true_minus"]
+from bayeshunt.core.errors import did_you_mean
 
+__all__ = ["bounds", "degrees", "in_unit", "label", "length", "objective", "speed", "theta", "true_minus", "unit_hint"]
+
+#: What people call a unit, without the s of the plural.
+_CALLED = {
+    "degree": "deg", "°": "deg", "radian": "rad", "second": "s", "sec": "s", "millisecond": "ms", "msec": "ms",
+    "microsecond": "us", "µ": "us", "nanosecond": "ns", "metre": "m", "meter": "m", "centimetre": "cm",
+    "centimeter": "cm", "millimetre": "mm", "millimeter": "mm", "pixel": "px", "bodie": "body",
+}  # fmt: skip
 _BIN_IN_DEGREES = re.compile(r"(-?[\d.]+) deg")
 
 
@@ -55,6 +64,13 @@ def label(bin_name: str) -> str:
 def bounds(low: float, high: float) -> str:
     """Return the interval of a probability to two decimals, rounded outwards so that what lies inside does in print."""
     return f"{math.floor(100 * low + 1e-9) / 100:g} to {math.ceil(100 * high - 1e-9) / 100:g}"
+
+
+def unit_hint(word: str, known: Iterable[str]) -> str:
+    """Return how an error about an unknown unit ends: "; did you mean 'deg'?", or else the units that there are."""
+    names, plain = list(known), str(word).strip().lower()
+    meant = plain if plain in names else _CALLED.get(plain.rstrip("s"))
+    return f"; did you mean {meant!r}?" if meant in names else did_you_mean(word, names)
 
 
 def true_minus(text: str) -> str:

@@ -29,10 +29,11 @@ _STARTS = 8  # of the search for clusters; the best is kept
 
 
 class NamedGaits(NamedTuple):
-    """labels: the name of each row's gait [N]. gaits: the repertoire's gaits, sorted by command."""
+    """labels: the name of each row's gait [N]. gaits: the repertoire's, sorted by command. fewer: why not more."""
 
     labels: np.ndarray
     gaits: tuple[Gait, ...]
+    fewer: str | None = None
 
 
 def gaits_of_commands(
@@ -66,7 +67,17 @@ def gaits_of_commands(
         raise InputError(f"{source}: gaits: expected a number, 'auto', 'held' or the name of a column, got {gaits!r}")
     check_whole(gaits, "gaits", 1)
     centres = cluster(commands, gaits, seed=seed)
-    return _named(nearest(commands, centres), centres)
+    named = _named(nearest(commands, centres), centres)
+    return named._replace(fewer=_why_fewer(commands, gaits, len(named.gaits)))
+
+
+def _why_fewer(commands: np.ndarray, asked: int, made: int) -> str | None:
+    """Why there are fewer gaits than asked for; None where there are as many."""
+    if made == asked:
+        return None
+    distinct = len(np.unique(commands, axis=0))
+    alike = f"holds only {distinct} different commands" if distinct <= made else "holds many commands that are alike"
+    return f"{made} gaits, not the {asked} asked for: the log {alike}"
 
 
 def is_column(gaits: Any) -> bool:

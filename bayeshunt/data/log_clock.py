@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.units import unit_hint
 from bayeshunt.data.text_tables import as_numbers
 
 __all__ = ["TIME_UNITS", "seconds_of", "unbroken"]
@@ -27,7 +28,7 @@ def seconds_of(values: pd.Series, unit: str | None, source: str, *, slowest: flo
     Raises InputError for another unit, or if nothing shows it.
     """
     if unit is not None and unit not in TIME_UNITS:
-        raise InputError(f"{source}: unknown unit of time {unit!r}; expected one of {', '.join(TIME_UNITS)}")
+        raise InputError(f"{source}: unknown unit of time {unit!r}{unit_hint(unit, TIME_UNITS)}")
     if pd.api.types.is_datetime64_any_dtype(values.dtype):
         return _from_start(values), "time: dates, seconds since the first"
     numbers = as_numbers(values)

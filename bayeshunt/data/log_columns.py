@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bayeshunt.core.errors import DataError, InputError, did_you_mean, warn
+from bayeshunt.core.units import unit_hint
 from bayeshunt.data.text_tables import same_name, says_unit
 from bayeshunt.data.tracks import UNITS
 
@@ -61,13 +62,23 @@ def find_columns(
     for name in names:
         for key in _keys(name):
             plain.setdefault(key, name)
-    found: dict[str, Any] = {
-        "time": time or next((plain[key] for key in _TIME if key in plain), None),
-        "pose": pose or (_pose(plain, names, source) if with_pose else ()),
-    }
+    found: dict[str, Any] = {"time": time or next((plain[key] for key in _TIME if key in plain), None)}
+    found["pose"] = pose or (_pose(plain) if with_pose else ())
     used = {found["time"], *found["pose"]}
-    found["command"] = command or (_command(plain, names, used, source) if with_command else ())
+    found["command"] = command or (_command(plain, names, used) if with_command else ())
+    _check_found(found, names, source, with_command=with_command)
     return found
+
+
+def _check_found(found: dict[str, Any], names: list[str], source: str, *, with_command: bool) -> None:
+    """Raise one DataError for all that has to be named: the pose, the command, or both."""
+    axes = [repr(axis) for axis, name in zip(("x", "y", "yaw"), found["pose"], strict=False) if name is None]
+    lacking = {f"column {', '.join(axes)} of the pose": "pose=(x, y, yaw) (--pose X,Y,YAW)"} if axes else {}
+    if with_command and not found["command"]:
+        lacking["columns of the command"] = "command=(left, right) (--command L,R)"
+    if lacking:
+        raise DataError(f"{source}: no {' nor '.join(lacking)} found among {', '.join(names)}; "
+                        f"name them: {' and '.join(lacking.values())}")  # fmt: skip
 
 
 def _keys(name: str) -> list[str]:
@@ -80,26 +91,15 @@ def _keys(name: str) -> list[str]:
     return list(dict.fromkeys([whole, same_name("".join(parts))]))
 
 
-def _pose(plain: dict[str, str], names: list[str], source: str) -> tuple[str, ...]:
-    found = []
-    for what, known in zip(("x", "y", "yaw"), _POSE, strict=True):
-        hit = next((plain[key] for key in known if key in plain), None)
-        if hit is None:
-            raise DataError(f"{source}: no column {what!r} of the pose found among {', '.join(names)}; "
-                            "name them: pose=(x, y, yaw) (--pose X,Y,YAW)")  # fmt: skip
-        found.append(hit)
-    return tuple(found)
+def _pose(plain: dict[str, str]) -> tuple[str | None, ...]:
+    return tuple(next((plain[key] for key in known if key in plain), None) for known in _POSE)
 
 
-def _command(plain: dict[str, str], names: list[str], used: set[Any], source: str) -> tuple[str, ...]:
+def _command(plain: dict[str, str], names: list[str], used: set[Any]) -> tuple[str, ...]:
     for pair in _PAIRS:
         if all(key in plain and plain[key] not in used for key in pair):
             return tuple(plain[key] for key in pair)
-    numbered = [name for name in names if same_name(name).startswith(("command", "cmd", "action")) and name not in used]
-    if numbered:
-        return tuple(numbered)
-    raise DataError(f"{source}: no columns of the command found among {', '.join(names)}; "
-                    "name them: command=(left, right) (--command L,R)")  # fmt: skip
+    return tuple(n for n in names if same_name(n).startswith(("command", "cmd", "action")) and n not in used)
 
 
 def lengths(names: Sequence[str], unit: str | None, source: str) -> tuple[float, str]:
@@ -111,7 +111,7 @@ def lengths(names: Sequence[str], unit: str | None, source: str) -> tuple[float,
     said = next((name for name in known if all(says_unit(column, name) for column in names)), None)
     if unit is not None:
         if unit not in known:
-            raise InputError(f"{source}: unknown unit {unit!r}; expected one of {', '.join(known)}")
+            raise InputError(f"{source}: unknown unit {unit!r}{unit_hint(unit, known)}")
         if said not in (None, unit):
             warn(f"{source}: columns {', '.join(names)} say {said} by their names, but are read in {unit} as given; "
                  f"if the names are right: unit='{said}' (--unit {said})")  # fmt: skip
@@ -128,7 +128,7 @@ def radians_of(values: np.ndarray, name: str, angle: str | None, source: str) ->
     DataWarning where one is said all the same, and where the name says another unit than the one given.
     """
     if angle is not None and angle not in ("rad", "deg"):
-        raise InputError(f"{source}: unknown unit of angles {angle!r}; expected rad or deg")
+        raise InputError(f"{source}: unknown unit of angles {angle!r}{unit_hint(angle, ('rad', 'deg'))}")
     said = next((unit for unit, words in _ANGLES.items() if any(says_unit(name, word) for word in words)), None)
     if angle is not None and said not in (None, angle):
         warn(f"{source}: column {name!r} says {said} by its name, but is read in {angle} as given; "

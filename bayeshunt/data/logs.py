@@ -73,7 +73,8 @@ def read_log(
     kept.attrs[parquet.PROVENANCE_KEY] = {
         "source": {"file": Path(source).name, "sha256": digest_of_file(source),
                    "columns": {k: v for k, v in found.items() if v}},
-        "notes": [note, *notes, *_turning(kept)], "dropped": {k: v for k, v in {**dropped, **lost}.items() if v},
+        "notes": [note, *notes, *_broken(kept), *_turning(kept)],
+        "dropped": {k: v for k, v in {**dropped, **lost}.items() if v},
     }  # fmt: skip
     return kept
 
@@ -156,6 +157,17 @@ def _clean(log: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, int]]:
     log = log.assign(run=run)[run >= 0].reset_index(drop=True)
     log["yaw"] = log.groupby("run")["yaw"].transform(lambda yaw: np.unwrap(yaw.to_numpy()))
     return log, {**lost, **late}
+
+
+def _broken(log: pd.DataFrame) -> list[str]:
+    """How many unbroken runs there are, where there is more than one, and the longest gap between two."""
+    time, run = log["time"].to_numpy(), log["run"].to_numpy()
+    ends = np.flatnonzero(np.diff(run))
+    if not ends.size:
+        return []
+    longest = float((time[ends + 1] - time[ends]).max())
+    gap = f", the longest gap {longest:.3g} s" if longest > 0 else ""
+    return [f"{ends.size + 1} unbroken runs{gap}: no window bridges one"]
 
 
 def _turning(log: pd.DataFrame) -> list[str]:

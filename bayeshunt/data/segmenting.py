@@ -273,7 +273,8 @@ def _with_record(
         "repertoire": {"gaits": [{"name": g.name, "command": list(g.command)} for g in found.gaits],
                        "body_length": body, "duration": step},
         "body_length_given": body_length is not None,
-        "notes": [*before.get("notes", []), *notes, *(warn if np.median(turned) > _MOST_TURN else [])],
+        "notes": [*before.get("notes", []), *notes, *([found.fewer] if found.fewer else []),
+                  *(warn if np.median(turned) > _MOST_TURN else [])],
         "dropped": {**before.get("dropped", {}), **dropped},
     }  # fmt: skip
     return table

@@ -211,8 +211,7 @@ def find_planner(name: str) -> Registered:
     """Return a registered planner; InputError for an unknown name."""
     entry = _REGISTRY.get(name) if isinstance(name, str) else None
     if entry is None:
-        hint = did_you_mean(name, planner_names(), listed=False)
-        raise InputError(f"unknown planner {name!r}: expected one of {', '.join(planner_names())}{hint}")
+        raise InputError(f"unknown planner {name!r}{did_you_mean(name, planner_names())}")
     return entry
 
 

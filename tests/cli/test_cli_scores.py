@@ -28,6 +28,7 @@ def test_a_robots_motion_is_scored_from_its_log(monkeypatch, capfd, tmp_path) ->
     said = capfd.readouterr().out
     assert "603 windows, held out" in said
     assert "whole values of 'calib_step' are held out" in said
+    assert said.endswith(f"written: {tmp_path / 's.csv'}, {tmp_path / 's.svg'}\n")
     table = pd.read_csv(tmp_path / "s.csv").set_index("model")
     assert table.loc["residual", "position_m"] < table.loc["unicycle", "position_m"] < table.loc["table", "position_m"]
     assert (tmp_path / "s.svg").read_text().startswith("<?xml")
@@ -48,7 +49,7 @@ def test_assess_takes_logs_and_writes_its_tables(monkeypatch, capfd, tmp_path) -
     assert run(monkeypatch, *line, "--csv", tmp_path / "csv") == 0
     said = capfd.readouterr().out
     assert "WORSE than ignoring the gait" in said
-    assert "nats per m rad²" in said
+    assert "nat per m or rad, less is better" in said
     assert sorted(path.stem for path in (tmp_path / "csv").iterdir()) == [
         "confusion", "independence", "reliability", "structures", "variables"
     ]  # fmt: skip

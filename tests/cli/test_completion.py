@@ -25,7 +25,8 @@ MISSPELT = {
     ("evalute",): "evaluate", ("hunt", "--planer", "x"): "--planner", ("hunt", "--planner", "planing"): "planning",
     ("settings", "robt"): "robot", ("presets", "papr"): "paper", ("robots", "kepera"): "khepera",
     ("prey", "scor"): "score", ("hunt", "--arena", "wallled"): "walled", ("hunt", "--set", "prey.sped=2"): "speed",
-    ("planners", "interecpt"): "intercept",
+    ("planners", "interecpt"): "intercept", ("evaluate", "--set", "tsk.time_limit=3"): "'protocol.time_limit'",
+    ("ingest", "log", "a.csv", "--timestep", "1"): "'--time-step'",
 }  # fmt: skip
 
 

@@ -136,6 +136,11 @@ def test_two_files_with_two_clocks(tmp_path) -> None:
         (degrees, {}, "degrees or radians"),
         (lambda d: d, {"unit": "miles"}, "unknown unit"),
         (lambda d: d, {"angle": "grad"}, "unknown unit"),
+        (lambda d: d, {"angle": "degrees"}, "unknown unit of angles 'degrees'; did you mean 'deg'"),
+        (lambda d: d, {"unit": "Meters"}, "did you mean 'm'"),
+        (lambda d: d, {"time_unit": "milliseconds"}, "did you mean 'ms'"),
+        (lambda d: named(d, x="east", y="north", yaw="nose", cmd_left="a", cmd_right="b"), {},
+         r"no column 'x', 'y', 'yaw' of the pose nor columns of the command .* pose=.*X,Y,YAW\) and command="),
         (lambda d: d.assign(x=np.nan), {}, "no row has"),
     ],
 )  # fmt: skip
@@ -152,6 +157,19 @@ def test_a_clockwise_heading_is_warned_of(tmp_path) -> None:
     assert "warning" in " ".join(bh.read_log(tmp_path / "log.csv").attrs["bayeshunt"]["notes"])
     log.to_csv(tmp_path / "log.csv", index=False)
     assert "warning" not in " ".join(bh.read_log(tmp_path / "log.csv").attrs["bayeshunt"]["notes"])
+
+
+def test_gaps_and_fewer_gaits_than_asked_are_said(tmp_path) -> None:
+    log = drive()
+    log.loc[len(log) // 2 :, "time"] += 20
+    log.to_csv(tmp_path / "log.csv", index=False)
+    read = bh.read_log(tmp_path / "log.csv")
+    notes = bh.gaits_from_log(read, time_step=1.0, gaits=9).attrs["bayeshunt"]["notes"]
+    assert "2 unbroken runs, the longest gap 20 s: no window bridges one" in notes
+    assert "4 gaits, not the 9 asked for: the log holds only 4 different commands" in notes
+    drive().to_csv(tmp_path / "whole.csv", index=False)
+    whole = bh.gaits_from_log(bh.read_log(tmp_path / "whole.csv"), time_step=1.0, gaits=4).attrs["bayeshunt"]["notes"]
+    assert not any("gap" in note or "asked for" in note for note in whole)
 
 
 def test_windows_keep_their_rows_and_index() -> None:

@@ -110,7 +110,7 @@ def test_an_impossible_body_length_is_refused(length):
 
 
 def test_unknown_planner(model):
-    with pytest.raises(InputError, match="unknown planner 'planing': expected one of reactive, prediction, planning"):
+    with pytest.raises(InputError, match="unknown planner 'planing'; did you mean 'planning'"):
         make_planner("planing", model)
 
 

@@ -52,7 +52,8 @@ def _variables(assessment: Assessment, out: Console) -> None:
     total, blind = (float(assessment.variables[c].sum()) for c in ("density", "density_without_gait"))
     out.print(
         "Nat per row, less is better; 'no gait': one forecast for every gait.\n"
-        f"Density, per m or rad, compares over bins: {total:.2f} nats per m rad² in all, without the gait {blind:.2f}.",
+        "Density: log-loss of a density, nat per m or rad, less is better; it compares over bins: "
+        f"{total:.2f} in all, without the gait {blind:.2f}.",
         style="dim",
     )  # fmt: skip
 
