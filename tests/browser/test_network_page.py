@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 import warnings
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 from network_questions import STRUCTURES, asked, fitted
 
 import bayeshunt as bh
-from bayeshunt.views.pages.network import network_data
+from bayeshunt.views.pages.network import SCRIPTS, network_data
 from bayeshunt.views.pages.page import asset
 
 ENGINE = """<!doctype html><meta charset=utf-8><title>engine</title>
@@ -31,6 +33,13 @@ function ask([evidence, likelihood, target]) {{
     worth: small ? worthAsking(net, known, soft, at[target], all.marginals) : null,
     best: best && best.states.map((s, i) => data.nodes[i].states[s]), probability: best && best.probability,
   }};
+}}
+function sure([evidence, target]) {{
+  const [known, soft] = read(evidence, {{}}), point = answerAll(net, known, soft).marginals[at[target]];
+  const drawing = intervals(net, known, soft, at[target], point);
+  let step;
+  do step = drawing.next(); while (!step.done);
+  return step.value;
 }}</script>"""
 
 
@@ -40,10 +49,11 @@ def engine(open_page, tmp_path):
 
     def opened(network):
         data = json.dumps(network_data(network)).replace("<", "\\u003c")
-        (tmp_path / "engine.html").write_text(ENGINE.format(data=data, script=asset("network_engine.js")))
+        script = "".join(asset(name) for name in SCRIPTS[1:-1])  # all but the picture
+        (tmp_path / "engine.html").write_text(ENGINE.format(data=data, script=script))
         page, watch = open_page(tmp_path / "engine.html")
         assert watch.errors == []
-        return lambda *question: page.evaluate("ask", list(question))
+        return lambda *question, asks="ask": page.evaluate(asks, list(question))
 
     return opened
 
@@ -78,6 +88,33 @@ def test_evidence_that_cannot_be(engine):
     network = bh.Network(bh.ForwardModel.fit(rows, bh.load_robot("khepera").gaits))
     never = network.posterior("Distance", {"Gait": "spin left"}).idxmin()
     assert engine(network)({"Gait": "spin left", "Distance": never}, {}, "Angle") is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("structure", STRUCTURES)
+def test_how_sure_the_page_is_as_python_says(engine, structure):
+    """Both draw the tables, differently: at most as far apart as draws are."""
+    model = fitted(structure)
+    ask = engine(bh.Network(model))
+    for distance, angle, heading in ((0.05, 0.3, None), (0.1, -1.0, None), (0.15, 2.0, 0.5)):
+        answer = bh.InverseModel(model).posterior(distance, angle, heading)
+        found = ask(answer.evidence, "Gait", asks="sure")
+        np.testing.assert_allclose(found, answer.interval()[["low", "high"]], atol=0.03)
+
+
+@pytest.mark.slow
+def test_how_sure_any_node_is_as_by_plain_draws(engine):
+    """Heading where the gait was leant to by a distance: every column of three tables is drawn."""
+    model = fitted("naive")
+    network, rng, n = bh.Network(model), np.random.default_rng(8), 20_000
+    drawn = {}
+    for node, weights in network.weights.items():
+        gammas = rng.standard_gamma(np.broadcast_to(weights, (n, *weights.shape)))
+        drawn[node] = gammas / gammas.sum(axis=1, keepdims=True)
+    shares = drawn["Distance"][:, 1] * network.tables["Gait"]
+    heading = np.einsum("nhg,ng->nh", drawn["Heading"], shares / shares.sum(axis=1, keepdims=True))
+    found = engine(network)({"Distance": network.states["Distance"][1]}, "Heading", asks="sure")
+    np.testing.assert_allclose(found, np.quantile(heading, [0.025, 0.975], axis=0).T, atol=0.03)
 
 
 @pytest.mark.slow
@@ -185,6 +222,28 @@ def test_the_keyboard_alone(open_page, saved):
     page.get_by_role("listbox", name="Heading").focus()
     page.keyboard.press("a")
     assert page.get_by_role("button", name="Heading", exact=True).get_attribute("aria-pressed") == "true"
+    assert watch.errors == []
+
+
+def test_an_answer_of_one_row_is_not_sure(open_page, tmp_path, khepera_model):
+    """At 168 mm, -20 degrees of the shipped table: whiskers on every bar that has a width, numbers beside."""
+    network = bh.Network(khepera_model)
+    answer = bh.InverseModel(khepera_model).posterior(0.168, math.radians(-20))
+    network.save(tmp_path / "network.html")
+    page, watch = open_page(tmp_path / "network.html")
+    for node, state in answer.evidence.items():
+        page.get_by_role("listbox", name=node).get_by_role("option").nth(network.states[node].index(state)).click()
+    said = page.get_by_text(re.compile(rf"Most probable: {answer.best} 1\.000 \("))
+    said.wait_for()
+    low, high = map(float, re.search(r"\(([\d.]+) to ([\d.]+)\)", said.inner_text()).groups())
+    assert low == pytest.approx(answer.interval()["low"][answer.best], abs=0.03)
+    assert low < 0.5
+    assert high == 1
+    bar = page.get_by_role("listbox", name="Gait").get_by_role("option").nth(answer.values.argmax())
+    whisker, track = (bar.locator(f".{part}").bounding_box() for part in ("whisker", "track"))
+    assert whisker["x"] - track["x"] == pytest.approx(low * track["width"], abs=2)
+    page.get_by_role("button", name="Clear all").click()
+    assert page.locator(".state .whisker").count() == 0  # a uniform P(Gait) was set, not estimated
     assert watch.errors == []
 
 

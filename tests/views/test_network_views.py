@@ -1,5 +1,6 @@
 """A whole network shown: as text, as a widget, as a page."""
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -22,6 +23,22 @@ def test_the_data_of_a_page_hold_every_number(network):
         assert values == (table.T if table.ndim == 2 else table).ravel().tolist()
         assert len(node["labels"]) == len(node["states"]) == len(table)
     assert data["asked"] == "Gait"
+
+
+def test_the_data_of_a_page_hold_what_was_counted(network, tmp_path):
+    """The Dirichlet parameters of each table; P(Gait) was set, and of an imported network nobody counted anything."""
+    data = network_data(network)
+    assert ["weights" in node for node in data["nodes"]] == [False, True, True, True]
+    for node, weights in network.weights.items():
+        rows = weights - 1.0 / len(weights)  # no prior: 1/K a cell
+        np.testing.assert_allclose(rows, np.round(rows), atol=1e-9)
+        assert rows.sum() == pytest.approx(300), node
+    assert "1/K" in data["pseudo"]
+    robot = bh.load_robot("khepera")
+    bh.ForwardModel.fit(bh.babble(robot, steps=300, seed=0), robot.gaits).to_xmlbif(tmp_path / "m.xmlbif")
+    imported = network_data(bh.Network(bh.import_network(tmp_path / "m.xmlbif")))
+    assert imported["pseudo"] == ""
+    assert not any("weights" in node for node in imported["nodes"])
 
 
 def test_a_network_shows_itself(network):

@@ -19,7 +19,7 @@ from bayeshunt.models.tables.counted import CountedTables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import PREVIOUS
 
-__all__ = ["AXES", "Factor", "add_up", "check_counted", "factors", "log_sum", "pseudo_words", "spread"]
+__all__ = ["AXES", "Factor", "add_up", "check_counted", "factors", "log_sum", "pseudo_words", "spread", "weights"]
 
 #: What may be left of a table's variables once Distance and Angle are known, in the order of the axes.
 AXES = (PREVIOUS, "Gait", *EFFECTS)
@@ -73,6 +73,18 @@ def factors(source: TableSource, bins: dict[str, int], pseudo: float | None = No
         needed |= {p for v in needed for p in source.structure.parents(v) if p in EFFECTS}
     made = [_cause(source, cause, pseudo) for cause in source.causes]
     return made + [_effect(source, effect, bins, pseudo) for effect in (*EFFECTS, ENERGY) if effect in needed]
+
+
+def weights(source: TableSource) -> dict[str, np.ndarray]:
+    """Return the Dirichlet parameters [K, ...parents], rows and pseudo-counts, of every table that was estimated.
+
+    A table that was set has none; nor has any of an imported network.
+    """
+    if source.support is None:
+        return {}
+    parts = [_cause(source, cause, None) for cause in source.causes]
+    parts += [_effect(source, effect, {}, None) for effect in source.local if effect not in source.causes]
+    return {part.variable: part.counts + part.pseudo for part in parts if part.estimated}
 
 
 def _cause(source: TableSource, cause: str, pseudo: float | None) -> Factor:

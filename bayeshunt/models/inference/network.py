@@ -19,6 +19,7 @@ from bayeshunt.core.errors import ImpossibleEvidenceError, InputError, did_you_m
 from bayeshunt.core.gaits import Gait
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.body.inverse import InverseModel
+from bayeshunt.models.certainty.factors import pseudo_words, weights
 from bayeshunt.models.formats.interchange import is_network, read_tables
 from bayeshunt.models.inference.elimination import Factor, ancestors, joint, restrict
 
@@ -39,6 +40,8 @@ class Network(displays.Displayed):
         pgmpy DiscreteBayesianNetwork, or the name of a BIF or XMLBIF file.
     nodes: names, in the order of the tables. states: node -> names of its states, in table order.
     parents: node -> its parents. tables: node -> P(node | parents) [K, ...parents].
+    weights: node -> the Dirichlet parameters of its table, rows and pseudo-counts [K, ...parents]; of counted tables
+        only, and not of one that was set, as a uniform P(Gait) is. pseudo: those pseudo-counts in words, "" without.
 
     Evidence is a state's name as in ``states`` or, for Distance [m], Angle and Heading [rad clockwise]
     and Energy [J], a number.
@@ -54,6 +57,8 @@ class Network(displays.Displayed):
         model = model.model if isinstance(model, InverseModel) else model
         model = model.binned if isinstance(model, ForwardModel) else model
         self._axes = model.axes if isinstance(model, ForwardModel) else None
+        self.weights: dict[str, np.ndarray] = weights(model.source) if isinstance(model, ForwardModel) else {}
+        self.pseudo = pseudo_words(model.source, None) if self.weights else ""
         if isinstance(model, ForwardModel):
             tables = model.local_tables
             self.states = {node: tuple(model.states[node]) for node in tables}

@@ -1,13 +1,19 @@
-/* The whole network as an instrument, after dom.js and network_engine.js: every node with prior and posterior; a click
-   sets evidence, a second gesture a likelihood; edges as wide as their ends have to say of each other. */
+/* The whole network as an instrument, after dom.js, network_engine.js and network_certainty.js: every node with prior and
+   posterior; a click sets evidence, a second gesture a likelihood; edges as wide as their ends have to say of each other;
+   how sure the answer is that was asked for. */
 
 const LIST_UP_TO = 12; // states written one below the other; more stand side by side
 const EXPLAINED_UP_TO = 10; // nodes
+const MOST_SURE = 4; // states whose interval is written out
+const SLICE = 12; // ms that drawing intervals may keep the page at a time
 const SOFTER = 3; // how much more probable a second gesture makes what was seen in a state
 const WIDE = 212, NARROW = 140, GAP = 16;
 
 const share = (p) => (p === 0 ? "0" : p < 0.0005 ? "<.001" : p > 0.9995 && p < 1 ? ">.999" : p.toFixed(3));
 const said = (p) => (p >= 0.001 ? p.toPrecision(4) : p.toExponential(3)).replace("-", "−");
+
+/* An interval of probabilities, rounded outwards, as in bayeshunt/core/units.py: "0.31 to 1". */
+const bounds = ([low, high]) => `${Math.floor(100 * low + 1e-9) / 100} to ${Math.ceil(100 * high - 1e-9) / 100}`;
 
 /* The first of the most probable states, whatever the last digit says. */
 const mostOf = (values) => values.findIndex((value) => value >= Math.max(...values) * (1 - 1e-12));
@@ -114,7 +120,12 @@ class NetworkView {
 
   bestOf(node) {
     const values = this.answer.marginals[node], most = mostOf(values);
-    return `${this.labelOf(node, most)} ${share(values[most])}`;
+    return `${this.labelOf(node, most)} ${share(values[most])}${this.within(node, most)}`;
+  }
+
+  /* " (0.31 to 1)" where the interval is known. */
+  within(node, state) {
+    return this.sure && node === this.asked ? ` (${bounds(this.sure[state])})` : "";
   }
 
   // --- the picture ----------------------------------------------------------------------------
@@ -154,7 +165,7 @@ class NetworkView {
       if (listed) element("span", { class: "label" }, option, label);
       const track = element("span", { class: "track" }, option);
       const ghost = element("span", { class: "ghost" }, track), bar = element("span", { class: "bar" }, track);
-      return { option, ghost, bar, value: listed ? element("span", { class: "value" }, option) : null };
+      return { option, track, whisker: null, ghost, bar, value: listed ? element("span", { class: "value" }, option) : null };
     });
     const readout = listed ? null : element("p", { class: "readout" }, box);
     const card = { box, head, list, options, readout, active: mostOf(this.prior.marginals[node]) };
@@ -213,8 +224,8 @@ class NetworkView {
   words(node, state) {
     const label = this.labelOf(node, state), prior = share(this.prior.marginals[node][state]);
     if (!this.answer) return label;
-    const now = share(this.answer.marginals[node][state]);
-    return now === prior ? `${label}: ${now}` : `${label}: ${now}, before ${prior}`;
+    const now = share(this.answer.marginals[node][state]), within = this.within(node, state);
+    return now === prior ? `${label}: ${now}${within}` : `${label}: ${now}${within}, before ${prior}`;
   }
 
   key(event) {
@@ -298,14 +309,64 @@ class NetworkView {
       this.edges[i].style.strokeWidth = `${0.75 + 3.2 * Math.sqrt(bits)}px`;
       this.edges[i].classList.toggle("mute", bits < 1e-9);
     });
+    this.sure = null;
     this.showSide();
     this.root.dataset.ms = (performance.now() - before).toFixed(1);
+    this.doubt();
+  }
+
+  /* Work out how sure the answer is, a few ms at a time once it is painted; another question ends it. */
+  doubt() {
+    const { net, known, soft, asked, answer } = this;
+    clearTimeout(this.doubting);
+    this.showDoubt();
+    if (!answer) return;
+    const drawing = intervals(net, [...known], [...soft], asked, answer.marginals[asked]);
+    const go = () => {
+      const end = performance.now() + SLICE;
+      let step;
+      do step = drawing.next(); while (!step.done && performance.now() < end);
+      if (!step.done) this.doubting = setTimeout(go);
+      else if (step.value) {
+        this.sure = step.value;
+        this.showDoubt();
+      }
+    };
+    this.doubting = setTimeout(go, 40);
+  }
+
+  /* Whiskers on the bars of the node asked, and their numbers beside; none where nothing is known of them. */
+  showDoubt() {
+    const { parts, sure, asked, answer } = this;
+    this.cards.forEach((card, node) => card.options.forEach((option, state) => {
+      const { track } = option, side = card.readout ? ["bottom", "height"] : ["left", "width"];
+      const drawn = sure && node === asked && sure[state][1] >= 0.005;
+      if (!drawn && option.whisker) option.whisker = option.whisker.remove();
+      if (!drawn) return;
+      const [low, high] = sure[state].map((end) => Math.min(1, end / card.top));
+      option.whisker ||= element("span", { class: "whisker" }, track);
+      option.whisker.style[side[0]] = `${100 * low}%`;
+      option.whisker.style[side[1]] = `${100 * (high - low)}%`;
+    }));
+    parts.sureTitle.hidden = parts.sure.hidden = parts.supposed.hidden = !sure;
+    if (!sure) return;
+    parts.asked.textContent = this.askedWords();
+    this.read(asked, this.cards[asked].active);
+    const first = sure.map((_, state) => state).sort((a, b) => answer.marginals[asked][b] - answer.marginals[asked][a] || sure[b][1] - sure[a][1]);
+    this.facts(parts.sure, first.slice(0, MOST_SURE).map((state) => [this.labelOf(asked, state), `${share(answer.marginals[asked][state])}${this.within(asked, state)}`]));
+    if (!this.cards[asked].readout) return;
+    this.cards[asked].options.forEach(({ option }, state) => option.setAttribute("aria-label", this.words(asked, state)));
+  }
+
+  askedWords() {
+    const { answer, asked } = this;
+    return answer ? `Most probable: ${this.bestOf(asked)}; doubt left ${entropy(answer.marginals[asked]).toFixed(2)} bits.` : "";
   }
 
   showCard(card, node, blanket, apart) {
     const known = this.known[node], soft = this.soft[node], marginal = this.answer && this.answer.marginals[node];
     const prior = this.prior.marginals[node];
-    const top = card.readout ? Math.max(...prior, ...(marginal || [])) : 1, side = card.readout ? "height" : "width";
+    const top = (card.top = card.readout ? Math.max(...prior, ...(marginal || [])) : 1), side = card.readout ? "height" : "width";
     card.box.classList.toggle("asked", node === this.asked);
     card.box.classList.toggle("blanket", blanket.has(node));
     card.box.classList.toggle("seen", known >= 0 || soft !== null);
@@ -339,6 +400,9 @@ class NetworkView {
     const { parts } = this;
     parts.askedTitle = element("h2", {}, side);
     parts.asked = element("p", {}, side);
+    parts.sureTitle = element("h2", {}, side, "How sure: 95 % intervals");
+    parts.sure = element("ul", { class: "facts" }, side);
+    parts.supposed = element("p", { class: "help" }, side, this.data.pseudo);
     parts.edges = element("ul", { class: "facts" }, side);
     if (this.data.nodes.length <= EXPLAINED_UP_TO) {
       parts.worthTitle = element("h2", {}, side);
@@ -347,7 +411,8 @@ class NetworkView {
       parts.best = element("ul", { class: "facts" }, side);
     }
     const legend = element("ul", { class: "legend" }, side);
-    for (const [mark, words] of [["ghost", "before any evidence"], ["bar", "now"], ["evidence", "known"], ["blanket", "Markov blanket of what is asked"],
+    const whiskers = this.data.pseudo ? [["whisker", "95 % interval of what is asked"]] : [];
+    for (const [mark, words] of [["ghost", "before any evidence"], ["bar", "now"], ...whiskers, ["evidence", "known"], ["blanket", "Markov blanket of what is asked"],
       ["apart", "says nothing of what is asked"], ["wide", "wider edge: more bits in common"]]) {
       const item = element("li", {}, legend);
       element("i", { class: mark }, item);
@@ -373,7 +438,7 @@ class NetworkView {
     }));
     const name = this.nameOf(asked);
     parts.askedTitle.textContent = `Asked: ${name}`;
-    parts.asked.textContent = answer ? `Most probable: ${this.bestOf(asked)}; doubt left ${entropy(answer.marginals[asked]).toFixed(2)} bits.` : "";
+    parts.asked.textContent = this.askedWords();
     this.facts(parts.edges, net.edges.flatMap(([parent, child], i) => (answer && (parent === asked || child === asked)
       ? [[`${this.nameOf(parent)} → ${this.nameOf(child)}`, `${answer.bits[i].toFixed(3)} bits`]] : [])));
     if (!parts.worth) return;

@@ -150,18 +150,21 @@ function entropy(values) {
   return bits;
 }
 
-/* A network from its nodes: { name, states, parents (numbers), runs: [value, how often, ...] with the node's own
-   states running fastest }. */
+/* Values from runs, [value, how often, ...]. */
+function unrolled(runs) {
+  const values = new Float64Array(runs.reduce((cells, part, i) => cells + (i % 2 ? part : 0), 0));
+  for (let i = 0, at = 0; i < runs.length; i += 2) values.fill(runs[i], at, (at += runs[i + 1]));
+  return values;
+}
+
+/* A network from its nodes: { name, states, parents (numbers), runs of its table with the node's own states running
+   fastest, and of its Dirichlet weights where they are known }. */
 function makeNetwork(nodes) {
   const sizes = nodes.map((node) => node.states.length);
-  const factors = nodes.map((node, of) => {
-    const variables = [...node.parents, of];
-    const values = new Float64Array(variables.reduce((cells, variable) => cells * sizes[variable], 1));
-    for (let i = 0, at = 0; i < node.runs.length; i += 2) values.fill(node.runs[i], at, (at += node.runs[i + 1]));
-    return { variables, values, of };
-  });
+  const factors = nodes.map((node, of) => ({ variables: [...node.parents, of], values: unrolled(node.runs), of }));
+  const weights = nodes.map((node) => (node.weights ? unrolled(node.weights) : null));
   const edges = nodes.flatMap((node, child) => node.parents.map((parent) => [parent, child]));
-  return { nodes, sizes, factors, edges };
+  return { nodes, sizes, factors, weights, edges };
 }
 
 /* Everything at once: total, marginals (by node), bits (mutual information by edge); null if the evidence is impossible. */

@@ -9,7 +9,7 @@ import traitlets
 
 from bayeshunt.models.inference.network import Network
 from bayeshunt.views import theme
-from bayeshunt.views.pages.network import network_data
+from bayeshunt.views.pages.network import SCRIPTS, network_data
 from bayeshunt.views.pages.page import asset
 
 __all__ = ["NetworkWidget"]
@@ -23,7 +23,7 @@ class NetworkWidget(anywidget.AnyWidget):
     Raises ImpossibleEvidenceError or InputError for what the network cannot take.
     """
 
-    _esm = asset("dom.js") + asset("network_engine.js") + asset("network.js") + asset("network_widget.js")
+    _esm = "".join(asset(name) for name in (*SCRIPTS, "network_widget.js"))
     _css = theme.palette(".bh-network") + asset("network.css")
 
     evidence = traitlets.Dict().tag(sync=True)
