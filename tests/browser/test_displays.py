@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.core.units import bounds
 
 PAGE = "<!doctype html><meta charset=utf-8><meta name=viewport content='width=device-width'><title>x</title><body {}>{}"
 
@@ -69,7 +70,9 @@ def test_a_bar_opens_down_to_its_rows_and_back(show, model) -> None:
     page.locator("th button", has_text=answer.best).focus()
     page.keyboard.press("Enter")
     found = bh.trace(answer)
-    assert opened.locator("p").inner_text().endswith(f"= {found.factors.loc[found.gait, 'posterior']:.4g}")
+    formula, within = opened.locator("p").all_inner_texts()
+    assert formula.endswith(f"= {found.factors.loc[found.gait, 'posterior']:.4g}")
+    assert within == f"95 % interval {bounds(*answer.interval().loc[answer.best, ['low', 'high']])}"
     counts = opened.locator("td button").all_inner_texts()
     assert [int(text.split()[0]) for text in counts] == found.cells["count"].tolist()
     opened.locator("td button").last.click()

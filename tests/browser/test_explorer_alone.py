@@ -7,6 +7,7 @@ import json
 import pytest
 
 import bayeshunt as bh
+from bayeshunt.core.units import bounds
 
 pytest.importorskip("anywidget", reason="anywidget is not installed (extra: notebook)")
 
@@ -54,11 +55,13 @@ def test_it_fits_a_phone(page):
 
 
 def test_a_number_opens_at_the_side(page, model):
-    found = bh.trace(bh.InverseModel(model).posterior(0.1, 0.5))
+    answer = bh.InverseModel(model).posterior(0.1, 0.5)
+    found, within = bh.trace(answer), bounds(*answer.interval().loc[answer.best, ["low", "high"]])
     page.get_by_role("button", name=found.gait, exact=True).focus()
     page.keyboard.press("Enter")
     panel = page.get_by_role("region", name="Where a number comes from")
     assert panel.locator(".formula").inner_text().endswith(f"= {found.factors.loc[found.gait, 'posterior']:.6g}")
+    assert panel.get_by_text(f"95 % interval {within}", exact=True).count() == 1
     page.keyboard.press("Escape")
     assert panel.count() == 0
 

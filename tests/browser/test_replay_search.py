@@ -160,6 +160,8 @@ def test_a_probability_opens_down_to_its_rows(page_of, settings, model):
     assert panel.locator(".formula").inner_text() == found.formula.replace(" x ", " × ").replace(
         " e)", " Distance, Angle)"
     )
+    within = bounds(*plan.answer.interval().loc[plan.gait, ["low", "high"]])
+    assert panel.get_by_text(f"95 % interval {within}", exact=True).count() == 1
     cells = found.cells.set_index("variable")
     lines = panel.locator("table").first.locator("tbody tr").all()
     assert [int(line.locator("td").last.inner_text()) for line in lines] == cells["count"].tolist()

@@ -5,6 +5,7 @@ import pytest
 
 import bayeshunt as bh
 from bayeshunt.core.errors import InputError
+from bayeshunt.core.units import bounds
 from bayeshunt.episodes.considered import first_gaits
 
 
@@ -33,8 +34,10 @@ def opened_right(found, answer, model):
         assert len(found.rows(cell["variable"])) == cell["count"]
         expected = model.cpt(cell["variable"]).loc[cell["state"]]
         assert cell["probability"] == (expected.iloc[0] if cell["variable"] == "Gait" else expected[found.gait])
+    low, high = answer.interval().loc[found.gait, ["low", "high"]]
     for shown in (str(found), found._repr_html_()):
         assert found.gait in shown
+        assert bounds(low, high) in shown
 
 
 @pytest.mark.parametrize("heading", [None, -0.9])

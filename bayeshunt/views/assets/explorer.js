@@ -191,7 +191,10 @@ function render({ model, el }) {
   const status = element("p", { class: "spoken" }, root); // one line: to hear the whole panel at each step is too much
   status.setAttribute("role", "status");
   const field = drawField(svg, plane), trace = new TracePanel(root);
-  const tell = buildSide(side, scene, (gait) => trace.open(model.get("_answer").opened, gait));
+  const tell = buildSide(side, scene, (gait) => {
+    const { opened, within } = model.get("_answer");
+    trace.open(opened, gait, within && within.map(([, , said]) => said));
+  });
   let waiting = 0, dragging = false;
 
   const show = () => {

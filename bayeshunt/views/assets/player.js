@@ -282,7 +282,8 @@ class Player {
     const decision = { title: `Decision ${step.number + 1}`, fill: (body) => {
       sayThere(body, `At ${step.time.toFixed(3)} s the prey is seen ${polar(step.seen)}. ${step.objective}: ${step.value}; decided for ${step.gait}, of ${step.nodes}.`);
     } };
-    if (step.opened) return this.trace.open(step.opened, gait, [decision]);
+    const within = step.opened && step.bars.within;
+    if (step.opened) return this.trace.open(step.opened, gait, within && within.map(([, , said]) => said), [decision]);
     const nodes = step.considered, tree = nodes ? treeOf(nodes) : [], rows = [];
     tree.forEach((item, i) => {
       const path = [];

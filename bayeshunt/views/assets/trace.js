@@ -43,8 +43,9 @@ class TracePanel {
     this.crumbs.lastElementChild.firstElementChild.focus();
   }
 
-  /* An answer and one of its gaits; `before` is what it is an answer of, as { title, fill }. */
-  open(opened, gait, before = []) {
+  /* An answer and one of its gaits; `sure` is the interval of each gait in words, null where nobody knows; `before` what it
+     is an answer of, as { title, fill }. */
+  open(opened, gait, sure, before = []) {
     const g = opened.gaits.indexOf(gait), product = (k) => opened.factors.reduce((all, values) => all * values[k], 1);
     const whole = opened.gaits.reduce((sum, _, k) => sum + product(k), 0), digits = (p) => String(Number(p.toPrecision(6)));
     const named = (v) => (v ? `${opened.variables[v]} ${opened.states[v]}` : "P(Gait)");
@@ -52,13 +53,16 @@ class TracePanel {
     level.fill = (body) => {
       const parts = opened.factors.map((values) => digits(values[g])).join(" × ");
       element("p", { class: "formula" }, body, `P(${gait} | ${opened.variables.slice(1).join(", ")}) = ${parts} / ${digits(whole)} = ${digits(product(g) / whole)}`);
+      if (sure) element("p", {}, body, `95 % interval ${sure[g]}`);
       const within = (v) => (opened.within ? [opened.within[v][g] || "set"] : []);
       this.table(body, ["factor", "P", ...(opened.within ? ["95 % interval"] : []), "rows"], opened.variables.map((_, v) => [
         v ? `P(${named(v)} | ${gait})` : "P(Gait)", digits(opened.factors[v][g]), ...within(v), opened.counts ? String(opened.counts[v][g]) : "unknown",
       ]), (v) => this.show([...before, level, this.cell(opened, v, g, named(v))]));
       element("p", {}, body, "Every gait:");
-      this.table(body, ["gait", "product", "share"], opened.gaits.map((name, k) => [name, digits(product(k)), digits(product(k) / whole)]),
-        (k) => this.open(opened, opened.gaits[k], before));
+      const beside = (k) => (sure ? [sure[k]] : []);
+      this.table(body, ["gait", "product", "share", ...(sure ? ["95 % interval"] : [])],
+        opened.gaits.map((name, k) => [name, digits(product(k)), digits(product(k) / whole), ...beside(k)]),
+        (k) => this.open(opened, opened.gaits[k], sure, before));
     };
     this.show([...before, level]);
   }

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from bayeshunt.core.units import label, true_minus
+from bayeshunt.core.units import bounds, label, true_minus
 from bayeshunt.episodes.tracing import CellTrace
 from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import grounds
@@ -30,10 +30,12 @@ def panels(answer: Posterior) -> tuple[dict[str, str], Html]:
     key = repr((answer.evidence, facts["factors"], facts["counts"]))
     group = f"bh-{hashlib.sha256(key.encode()).hexdigest()[:10]}"
     ids = {gait: f"{group}-{at}" for at, gait in enumerate(facts["gaits"])}
-    return ids, join(_panel(answer, facts, at, ids[gait]) for at, gait in enumerate(facts["gaits"]))
+    found = grounds.interval(answer)
+    sure = {} if found is None else grounds.within(found)
+    return ids, join(_panel(answer, facts, at, ids[gait], sure.get(gait)) for at, gait in enumerate(facts["gaits"]))
 
 
-def _panel(answer: Posterior, facts: dict[str, Any], at: int, name: str) -> Html:
+def _panel(answer: Posterior, facts: dict[str, Any], at: int, name: str, sure: tuple[float, float] | None) -> Html:
     """The formula of one gait's probability, a row per factor, and the panels of its cells."""
     gait, holds = facts["gaits"][at], bool(len(answer.model.data))
     factors = [values[at] for values in facts["factors"]]
@@ -51,7 +53,8 @@ def _panel(answer: Posterior, facts: dict[str, Any], at: int, name: str) -> Html
         rows.append(row(f"{variable} {state}".strip(), [number(factors[place], 4), within, tag("td", said)]))
     ends = f" = {number(float(answer.values[at]), 4)}"
     heads = ["table of", "P", "95 % interval", "counted"]
-    return join([side(name, [f"P({gait})"], tag("p", formula + ends), table(heads, rows)), *below])
+    how_sure = None if sure is None else tag("p", f"95 % interval {bounds(*sure)}")
+    return join([side(name, [f"P({gait})"], tag("p", formula + ends), how_sure, table(heads, rows)), *below])
 
 
 def _rows(answer: Posterior, variable: str, gait: str, names: tuple[str, str], said: str) -> Html:

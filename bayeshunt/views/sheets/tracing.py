@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from bayeshunt.core.units import label, objective
+from bayeshunt.core.units import bounds, label, objective
 from bayeshunt.episodes.tracing import CellTrace, PlanTrace, Trace
 from bayeshunt.views import grounds
 from bayeshunt.views.sheets.sheet import Note, Part, Sheet, Table
@@ -33,7 +33,7 @@ def trace(opened: Trace) -> Sheet:
     return Sheet(
         f"Trace of P({opened.gait})",
         "",
-        [("formula", opened.formula)],
+        [("formula", opened.formula), *_sure(opened)],
         [
             Table(["Gait", *factors.columns], rows, lit, most=len(rows)),
             Table(["table of", "state", "probability", "rows", "95 % interval"], cells, words=frozenset({0, 1})),
@@ -42,6 +42,15 @@ def trace(opened: Trace) -> Sheet:
             ),
         ],
     )
+
+
+def _sure(opened: Trace) -> list[tuple[str, str]]:
+    """The interval of the probability, and whether the answer is sure; nothing where nobody knows."""
+    found = grounds.interval(opened.answer)
+    if found is None:
+        return []
+    within = bounds(*grounds.within(found)[opened.gait])
+    return [("95 % interval", within), ("how sure", grounds.how_sure(opened.answer, found))]
 
 
 def cell(opened: CellTrace) -> Sheet:
