@@ -39,6 +39,7 @@ CASES = {
         Case("legs", "hexapod_mixed", legs=True),
         Case("legs", "hexapod", legs=True),
         Case("legs", "quadruped", legs=True),
+        Case("legs", "puppy", legs=True),
     )
 }
 ARENAS = ("open", "walled")
