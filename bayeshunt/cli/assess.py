@@ -10,7 +10,7 @@ import typer
 
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff
+from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, gaits_of
 from bayeshunt.cli.outputs import out_figure, out_file, out_folder
 from bayeshunt.core.errors import InputError
 
@@ -63,7 +63,8 @@ def assess(
     Example:  bayeshunt assess babbling.parquet --folds 5 --out reliability.png;
     bayeshunt assess log.csv --time-step 1 --gaits 9 --auto-bins
     """
-    from bayeshunt.config.loading import load_robot, recorded_gaits
+    from bayeshunt.config.loading import recorded_gaits
+    from bayeshunt.data.babbling_table import PROVENANCE_KEY
     from bayeshunt.models.assessment.assess import assess as run
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
@@ -73,7 +74,7 @@ def assess(
     for note in () if as_json else notes:
         terminal.say(note)
     forward = None if model is None else open_model(model)
-    known = None if robot is None else load_robot(robot).gaits
+    known = None if robot is None else gaits_of(robot, [frame.attrs.get(PROVENANCE_KEY)])
     if known is None and forward is None:
         known = recorded_gaits(frame)
     axes = _axes(frame, known, forward, (distance_bin, angle_bins, heading_bins), auto_bins)

@@ -12,7 +12,7 @@ import typer
 
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
-from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, complete_robot, complete_structure, tell
+from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, complete_robot, complete_structure, gaits_of, tell
 from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import InputError
@@ -128,7 +128,7 @@ def fit(
     Example:  bayeshunt fit babbling.parquet --out model.json --xmlbif model.xmlbif;
     bayeshunt fit log.csv --time-step 1 --gaits 25 --out model.json
     """
-    from bayeshunt.config.loading import load_robot, recorded_gaits
+    from bayeshunt.config.loading import recorded_gaits
     from bayeshunt.core.bins import EFFECTS, EffectAxes
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.counting.streaming import count_tables, rows_of
@@ -139,7 +139,10 @@ def fit(
     tables, notes = opened(data, asked, robot)
     for note in () if as_json else notes:
         terminal.say(note)
-    repertoire = recorded_gaits(tables[0].provenance, f"{data[0]}: ") if robot is None else load_robot(robot).gaits
+    if robot is None:
+        repertoire = recorded_gaits(tables[0].provenance, f"{data[0]}: ")
+    else:
+        repertoire = gaits_of(robot, [table.provenance for table in tables])
     axes = EffectAxes.standard(
         repertoire.body_length, distance_bin=distance_bin, angle_bins=angle_bins, heading_bins=heading_bins
     )

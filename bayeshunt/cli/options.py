@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -113,7 +113,7 @@ def read_experiment(
 def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
     """The shipped experiment, ``changes`` made, whose robot a model is of; the default, then the testbed come first."""
     from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, preset_names
-    from bayeshunt.experiments.run.runner import check_model
+    from bayeshunt.experiments.preparation import check_model
     from bayeshunt.models.formats.interchange import open_model
 
     for name in sorted(preset_names(), key=lambda name: (name != DEFAULT_PRESET, name != "paper")):
@@ -196,10 +196,21 @@ def settings_of(hunts: Any, folder: Any) -> Any:
     return parse(ExperimentSettings, hunts.attrs["settings"], f"{folder}: settings")
 
 
+def gaits_of(robot: str, records: Iterable[Any]) -> Any:
+    """Return the gaits of a robot by name or path; warn if tables of these records are of one that moves otherwise."""
+    from bayeshunt.config.loading import load_robot
+    from bayeshunt.config.plausibility import warn_of_other_motion
+
+    settings = load_robot(robot)
+    for record in records:
+        warn_of_other_motion(record, settings, "table")
+    return settings.gaits
+
+
 def load_or_learn(path: Path | None, settings: Any, seed: int, *, quiet: bool) -> Any:
     """Load the model, or babble, with a progress bar unless ``quiet``, and fit one."""
+    from bayeshunt.experiments.preparation import check_model
     from bayeshunt.experiments.protocol import learn_model
-    from bayeshunt.experiments.run.runner import check_model
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from bayeshunt.config.describing import describe, keys_at, keys_ending_in
-from bayeshunt.config.plausibility import warn_implausible
+from bayeshunt.config.plausibility import implausible
 from bayeshunt.config.scaling import absolute, rescaled
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
 from bayeshunt.config.schema.published import FORMS
 from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.checks import check_kind
-from bayeshunt.core.errors import ConfigError, InputError, did_you_mean
+from bayeshunt.core.errors import ConfigError, InputError, did_you_mean, warn
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 from bayeshunt.files.parquet import PROVENANCE_KEY
 
@@ -99,7 +99,8 @@ def load_experiment(
     values = _in_metres(values, source)
     if overrides:
         _forget_publication(values, before, set(overrides))
-    return _plausible(parse(ExperimentSettings, values, source), source)
+    known = experiment if isinstance(experiment, ExperimentSettings) else None
+    return _plausible(parse(ExperimentSettings, values, source), source, known)
 
 
 def _in_its_time(values: dict[str, Any], before: Any, robot: RobotSettings) -> dict[str, Any]:
@@ -161,8 +162,11 @@ def _robot(robot: str | os.PathLike[str]) -> tuple[RobotSettings, str]:
     return parse(RobotSettings, values, source), source
 
 
-def _plausible(settings: Loaded, source: str) -> Loaded:
-    warn_implausible(settings, source)
+def _plausible(settings: Loaded, source: str, before: ExperimentSettings | None = None) -> Loaded:
+    """The settings, after a warning if they look like some of other units; ``before``: what was warned of already."""
+    problem = implausible(settings)
+    if problem is not None and (before is None or problem != implausible(before)):
+        warn(f"{source}: {problem}")
     return settings
 
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from bayeshunt.config.schema import ExperimentSettings, PreySettings, RobotSettings
 from bayeshunt.core.errors import warn
 
-__all__ = ["warn_implausible", "warn_of_other_motion"]
+__all__ = ["implausible", "warn_of_mixed_motion", "warn_of_other_motion"]
 
 #: More distance bins than this in one gait, and fewer than this part of a body, are no gait that a table can show.
 _MOST_BINS, _LEAST_BODIES = 1000, 0.05
@@ -20,37 +20,60 @@ _TIMES = 1000.0
 _FAST_TURN = 12.6
 #: What the gaits say of a body, and is no matter of a warning.
 _COMPARED = ("body.diameter", "body.length")
+#: Groups of a robot's settings that say how it moves.
+_MOVING = ("body", "noise")
 
 
-def warn_implausible(settings: RobotSettings | ExperimentSettings, source: str) -> None:
-    """Issue a DataWarning of one line, with the fix, for the first setting that looks like one of other units."""
+def implausible(settings: RobotSettings | ExperimentSettings) -> str | None:
+    """Return in one line, with the fix, the first setting that looks like one of other units; None if none does."""
     problems = _robot(settings, "") if isinstance(settings, RobotSettings) else _experiment(settings)
-    problem = next(problems, None) or next(_turns(settings), None)
-    if problem is not None:
-        warn(f"{source}: {problem}")
+    return next(problems, None) or next(_turns(settings), None)
 
 
-def warn_of_other_motion(provenance: Mapping[str, Any], robot: RobotSettings) -> None:
-    """Issue a DataWarning of one line if a model is of a robot whose body or noise moves it otherwise than ``robot``.
+def warn_of_other_motion(provenance: Mapping[str, Any] | None, robot: RobotSettings, what: str = "model") -> None:
+    """Issue a DataWarning of one line if rows are of a robot whose body or noise moves it otherwise than ``robot``.
 
-    provenance: the model's; what its records do not say differs from nothing. It is no error: a model may be tried on
-    a floor that it was not learned on. (Body length, duration and commands are compared with the gaits: another is.)
+    provenance: that of the model, or of the table, which ``what`` says; what its records do not say differs from
+    nothing. It is no error: a model may be tried on a floor that it was not learned on. (Body length, duration and
+    commands are compared with the gaits: another is.)
     """
-    differing: dict[str, str] = {}
-    for source in provenance.get("sources", ()):
-        recorded = source.get("robot") if isinstance(source, Mapping) else None
-        differing |= _other_motion(recorded, robot) if isinstance(recorded, Mapping) else {}
-    if differing:
+    if differing := _other_motion(provenance, robot.model_dump(mode="json", include={*_MOVING})):
+        fix = "babble with" if what == "table" else "fit a model of"
         warn(
-            f"the model's robot has {', '.join(differing.values())} in {robot.name}: it will move otherwise than the "
-            "model says; fit a model of this robot, unless that is what you want to see"
+            f"the {what}'s robot has {differing} in {robot.name}: it will move otherwise than the {what} says; {fix} "
+            "this robot, unless that is what you want to see"
         )
 
 
-def _other_motion(recorded: Mapping[str, Any], robot: RobotSettings) -> dict[str, str]:
-    """What a recorded robot's body and noise say otherwise than ``robot``, by key: "noise.slip 0.1, not 0.2"."""
-    now = robot.model_dump(mode="json", include={"body", "noise"})
-    return dict(_differences(recorded, now, ""))
+def warn_of_mixed_motion(record: Mapping[str, Any] | None, provenance: Mapping[str, Any], what: str = "table") -> None:
+    """Issue a DataWarning of one line if body or noise of a robot on record are not those of a model's robot.
+
+    record: of ``what``, a table or what was made with another model. provenance: the model's.
+    """
+    for own in _robots(provenance):
+        if differing := _other_motion(record, {k: own[k] for k in _MOVING if isinstance(own.get(k), Mapping)}):
+            warn(
+                f"the {what}'s robot has {differing} in the model's: they move otherwise; use those of one robot, "
+                "unless that is what you want to see"
+            )
+            return
+
+
+def _other_motion(provenance: Mapping[str, Any] | None, now: Mapping[str, Any]) -> str:
+    """What the robots of a record say otherwise than ``now`` does: "noise.slip 0.1, not 0.2"; empty for nothing."""
+    found: dict[str, str] = {}
+    for recorded in _robots(provenance):
+        found |= _differences(recorded, now, "")
+    return ", ".join(found.values())
+
+
+def _robots(provenance: Mapping[str, Any] | None) -> Iterator[Mapping[str, Any]]:
+    """Settings of the robots that a table's record, or those of a model's tables, name."""
+    record = provenance or {}
+    for source in record.get("sources", (record,)):
+        robot = source.get("robot") if isinstance(source, Mapping) else None
+        if isinstance(robot, Mapping):
+            yield robot
 
 
 def _differences(told: Mapping[str, Any], now: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:

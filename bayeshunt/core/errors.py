@@ -6,10 +6,11 @@ and with 1 for any other :class:`BayesHuntError`.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "ZeroCountError",
     "did_you_mean",
     "shown",
+    "unwarned",
     "warn",
 ]
 
@@ -90,6 +92,14 @@ def warn(message: str) -> None:
     while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).partition(".")[0] == "bayeshunt":
         frame, level = frame.f_back, level + 1
     warnings.warn(message, DataWarning, stacklevel=level)
+
+
+@contextlib.contextmanager
+def unwarned() -> Iterator[None]:
+    """Issue no DataWarning meanwhile: for work on numbers that no user has given, such as what a hunt asks a model."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)
+        yield
 
 
 def shown(value: Any) -> str:

@@ -76,15 +76,19 @@ class Rewards:
 
     def start(self, pursuit: Pursuit) -> None:
         """Begin an episode."""
-        self._time, self._potential = 0.0, _potential(pursuit)
+        self._time = 0.0
+        if self._shaped:
+            self._potential = _potential(pursuit)
 
     def step(self, pursuit: Pursuit) -> float:
         """Return what the step that has just been taken is worth."""
-        time, potential = pursuit.time, _potential(pursuit)
+        time = pursuit.time
         reward = (self._time - time) / self._limit
         if self._shaped:
+            potential = _potential(pursuit)
             reward += GAMMA * potential - self._potential
-        self._time, self._potential = time, potential
+            self._potential = potential
+        self._time = time
         return float(reward)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bayeshunt.config.plausibility import warn_of_mixed_motion
 from bayeshunt.config.schema.camera import CAMERAS
 from bayeshunt.config.schema.sensing import SensingSettings
 from bayeshunt.core.arguments import checked
@@ -159,7 +160,18 @@ def _gaits(planner: Planner, model: ForwardModel | None, gaits: GaitRepertoire |
             )
         return own
     check_robot(planner, given, "the hunter")
+    if model is not None:
+        _warn_of_another_model(planner, model)
     return given
+
+
+def _warn_of_another_model(planner: Planner, model: ForwardModel) -> None:
+    """Warn if the planner was made with a model of another robot of the same gaits, which moves otherwise."""
+    from bayeshunt.planners.registry import model_of
+
+    its = model_of(planner)
+    if its is not None and its is not model:
+        warn_of_mixed_motion(its.provenance, model.provenance, "planner")
 
 
 def _prey_model(known: TargetModel | None, model: ForwardModel | None, gaits: GaitRepertoire) -> TargetModel:

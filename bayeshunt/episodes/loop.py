@@ -14,6 +14,7 @@ from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked_but
+from bayeshunt.core.errors import unwarned
 from bayeshunt.core.messages import Moment
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.episodes.episode import Episode
@@ -55,13 +56,14 @@ def hunt(
     running = _begin(settings, planner, arena, theta, seed, prey_model)
     if (model := model_of(planner)) is not None:
         warn_of_other_motion(model.provenance, settings.robot)
-    for situation, plan in _decide(running, planner):
-        # The prey model goes on learning: the record keeps what was known at this decision.
-        situation = replace(situation, prey_model=running.prey_model.copy())
-        spent = running.trial.energy, running.trial.falls
-        steps.append(Step.of(len(steps), running.moment, situation, plan, running.observed, spent, running.observation))
-        running.step(plan.gait, nodes=plan.nodes)
-        trail.extend(running.moments)
+    with unwarned():
+        for situation, plan in _decide(running, planner):
+            # The prey model goes on learning: the record keeps what was known at this decision.
+            known, spent = running.prey_model.copy(), (running.trial.energy, running.trial.falls)
+            seen = running.observed, spent, running.observation
+            steps.append(Step.of(len(steps), running.moment, replace(situation, prey_model=known), plan, *seen))
+            running.step(plan.gait, nodes=plan.nodes)
+            trail.extend(running.moments)
     return Episode.assemble(
         steps,
         trail,
@@ -82,8 +84,9 @@ def run_hunt(
     running = _begin(settings, planner, arena, theta, seed, prey_model)
     if isinstance(planner, KinematicLimit):
         return _limit(running, planner)
-    for _, plan in _decide(running, planner):
-        running.step(plan.gait, nodes=plan.nodes)
+    with unwarned():
+        for _, plan in _decide(running, planner):
+            running.step(plan.gait, nodes=plan.nodes)
     return running.result
 
 

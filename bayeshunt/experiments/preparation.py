@@ -8,8 +8,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
+from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked
+from bayeshunt.core.checks import check_kind
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.experiments.protocol import learn_model
 from bayeshunt.models.arena.rooms import RoomModel
@@ -37,6 +39,20 @@ def check_planners(settings: ExperimentSettings, planners: Iterable[str], *, hun
             check_hunts(name)
 
 
+def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
+    """Raise InputError unless it is a model and its gaits are the robot's; warn of a robot that moves otherwise."""
+    check_kind(model, "model", ForwardModel, "a ForwardModel")
+    if model.gaits.names != settings.robot.gaits.names:
+        raise InputError(
+            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
+            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
+        )
+    difference = model.gaits.difference(settings.robot.gaits, "the model's robot", settings.robot.name)
+    if difference is not None:
+        raise InputError(f"{difference}; fit a model of this robot")
+    warn_of_other_motion(model.provenance, settings.robot)
+
+
 @checked
 def learn_room(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
@@ -56,6 +72,8 @@ def learn_room(
     check_planners(settings, ())
     if arena not in settings.arenas:
         raise InputError(f"unknown arena {arena!r}{did_you_mean(arena, settings.arenas)}")
+    if model is not None:
+        check_model(model, settings)
     track = explore(
         settings.robot, settings.arenas[arena], steps, seed, physics=settings.physics,
         start=settings.protocol.hunter_pose, progress=progress, world=settings.world,

@@ -9,7 +9,7 @@ import numpy as np
 
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.bins import EffectAxes
-from bayeshunt.core.errors import InputError
+from bayeshunt.core.errors import InputError, shown
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.worlds.babbling import babble
@@ -47,6 +47,15 @@ def plan_hunts(
         for index, theta in enumerate(protocol.thetas)
         for run in range(protocol.runs)
     ]
+
+
+def names_of(given: str | Sequence[str] | None, default: Sequence[str], what: str) -> tuple[str, ...]:
+    """Return one name, several, or the settings' own; InputError for anything else, ``what`` says of what."""
+    if isinstance(given, str):
+        return (given,)
+    if given is not None and not isinstance(given, Sequence):
+        raise InputError(f"{what}: expected a name or a list of names, got {shown(given)}")
+    return tuple(given or default)
 
 
 def check_arenas(settings: ExperimentSettings, arenas: Sequence[str]) -> None:

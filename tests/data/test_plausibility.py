@@ -117,6 +117,18 @@ def test_a_target_in_millimetres_is_warned_of(khepera_model):
         inverse.posterior_many([0.16, 10.0], 0.1)
 
 
+def test_settings_are_warned_of_once_and_what_a_hunt_asks_of_them_is_not(khepera_model):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        settings = bh.load_experiment("paper", {"prey.speed": 48})
+        planner = bh.make_planner("reactive", khepera_model)
+        assert bh.hunt(settings, planner, arena="open").situations[-1].prey.distance > 50  # far off every table
+        bh.evaluate(settings, runs=1, planners="reactive", arenas="open", model=khepera_model)
+    assert [str(one.message).split(":")[0] for one in caught] == ["preset 'paper'"]
+    with pytest.warns(bh.DataWarning, match=r"^settings 'paper': arenas\.open\.width"):  # another one is
+        bh.load_experiment(settings, {"prey.speed": 0.05, "arenas.open.width": 1200})
+
+
 def test_the_command_says_it_in_one_line(monkeypatch, capfd, tmp_path):
     from bayeshunt.cli import main
 

@@ -116,6 +116,17 @@ def test_a_planner_without_its_file_is_refused_first(entry, name, no_work):
         calls[entry](settings)
 
 
+@pytest.mark.parametrize("entry", [bh.evaluate, bh.sweep, bh.tradeoff])
+def test_one_planner_and_one_arena_may_be_given_as_text(entry, no_work):
+    with pytest.raises(bh.InputError, match="unknown planner 'reactiv': expected one of reactive"):
+        entry("paper", planners="reactiv")
+    with pytest.raises(bh.InputError, match=r"^planners: expected a name or a list of names, got 3$"):
+        entry("paper", planners=3)
+    arena = "arena" if entry is bh.tradeoff else "arenas"
+    with pytest.raises(bh.InputError, match="unknown arena 'opn'"):
+        entry("paper", planners="reactive", **{arena: "opn"})
+
+
 class Faulty:
     """A planner with a fault."""
 

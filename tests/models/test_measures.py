@@ -196,6 +196,38 @@ def test_a_robot_that_moves_otherwise_is_warned_of_wherever_its_model_is_used(kh
     assert " ".join(err.split()).count(MOVED) == 1
 
 
+def test_rows_of_a_robot_that_moves_otherwise_are_warned_of_wherever_they_meet_a_model(
+    khepera_model, tmp_path, bayeshunt
+):
+    slippery = bh.load_experiment("paper", {"robot.noise.slip": 0.3}).robot
+    rows = bh.babble(slippery, 40, seed=0)
+    other = bh.ForwardModel.fit(rows, slippery.gaits, prior=0.03)
+    own = bh.babble(bh.load_robot("khepera"), 1, seed=0)
+    says = r"robot has noise\.slip 0\.3, not 0\.1 in the model's: they move otherwise; use those of one robot, unless "
+    for what, call in (
+        ("table", lambda: khepera_model.update(rows)),
+        ("table", lambda: bh.assess(rows, model=khepera_model, structures=["naive"], folds=2, permutations=9)),
+        ("planner", lambda: bh.Hunter(bh.make_planner("reactive", other), model=khepera_model)),
+    ):
+        with pytest.warns(bh.DataWarning, match=f"^the {what}'s {says}"):
+            call()
+    bh.save_dataset(rows, tmp_path / "table.parquet")
+    for command in (("fit", "table.parquet", "--out", "model.json", "--prior", "0.1"), ("assess", "table.parquet")):
+        _, err = bayeshunt(*command, "--robot", "khepera")
+        assert "the table's robot has noise.slip 0.3, not 0.1 in khepera" in " ".join(err.split()), command
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        khepera_model.update(own)
+        bh.Hunter(bh.make_planner("reactive", khepera_model), model=khepera_model)
+
+
+def test_a_room_is_not_learned_with_a_model_of_another_robot() -> None:
+    car = bh.ForwardModel.fit(bh.babble("car", 60, 0), bh.load_robot("car").gaits, 0.03)
+    for work in (lambda: bh.learn_room("paper", model=car, steps=1), lambda: bh.remember("paper", model=car)):
+        with pytest.raises(bh.InputError, match=r"^the model's gaits .* are not those of robot 'khepera'"):
+            work()
+
+
 def test_every_difference_is_named_and_what_is_not_known_is_none(khepera_model) -> None:
     changes = {"robot.body.axle": 0.06, "robot.body.max_traction": 1.0}
     with pytest.warns(

@@ -15,14 +15,13 @@ from typing import Any, Never
 import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
-from bayeshunt.config.plausibility import warn_of_other_motion
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.arguments import checked_but
-from bayeshunt.core.checks import check_kind, check_whole
-from bayeshunt.core.errors import InputError, ResultsError, did_you_mean, shown
+from bayeshunt.core.checks import check_whole
+from bayeshunt.core.errors import InputError, ResultsError, did_you_mean
 from bayeshunt.episodes.loop import Result
-from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
-from bayeshunt.experiments.protocol import HuntTask, learn_model, plan_hunts
+from bayeshunt.experiments.preparation import check_model, check_planners, learn_rooms, prepare_planner
+from bayeshunt.experiments.protocol import HuntTask, learn_model, names_of, plan_hunts
 from bayeshunt.experiments.run import workers
 from bayeshunt.experiments.run.batches import Ticket, batches, run_batch
 from bayeshunt.experiments.run.plugins import check_names
@@ -84,13 +83,12 @@ def evaluate(
     check_jobs(jobs)
     workers.check_scheduler(scheduler)
     check_whole(seed, "seed", 0)
-    planners = _names(planners, settings.planners, "planners")
-    arenas = _names(arenas, tuple(settings.arenas), "arenas")
+    planners = names_of(planners, settings.planners, "planners")
+    arenas = names_of(arenas, tuple(settings.arenas), "arenas")
     check_planners(settings, planners)
     tasks = plan_hunts(settings, planners, arenas, seed)
     if model is not None:
         check_minds(planners, model, settings)
-        warn_of_other_motion(model.provenance, settings.robot)
         if out is not None and not model.has_counts:
             raise InputError(
                 "an imported network has no counts, which a folder of results needs; evaluate without out (--out)"
@@ -197,24 +195,11 @@ def experiment_settings(
     return load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
 
 
-def check_model(model: ForwardModel, settings: ExperimentSettings) -> None:
-    """Raise InputError unless it is a model and its gaits are the robot's."""
-    check_kind(model, "model", ForwardModel, "a ForwardModel")
-    if model.gaits.names != settings.robot.gaits.names:
-        raise InputError(
-            f"the model's gaits ({', '.join(model.gaits.names)}) are not those of robot {settings.robot.name!r} "
-            f"({', '.join(settings.robot.gaits.names)}); fit a model for this robot"
-        )
-    difference = model.gaits.difference(settings.robot.gaits, "the model's robot", settings.robot.name)
-    if difference is not None:
-        raise InputError(f"{difference}; fit a model of this robot")
-
-
 def check_minds(planners: str | Sequence[str], model: ForwardModel, settings: ExperimentSettings) -> None:
     """Raise InputError for a wrong model, planner or setting of one: before any work, and not in a worker."""
     check_model(model, settings)
     stand_in = {"": RoomModel.empty()}  # the rooms themselves are learned when all else is known to be right
-    for name in _names(planners, (), "planners"):
+    for name in names_of(planners, (), "planners"):
         prepare_planner(name, model, settings, stand_in, "")
 
 
@@ -233,15 +218,6 @@ def results_frame(
 
 
 check_jobs = workers.check_jobs
-
-
-def _names(given: str | Sequence[str] | None, default: Sequence[str], what: str) -> tuple[str, ...]:
-    """One name, several, or the settings' own; InputError for anything else, ``what`` says of what."""
-    if isinstance(given, str):
-        return (given,)
-    if given is not None and not isinstance(given, Sequence):
-        raise InputError(f"{what}: expected a name or a list of names, got {shown(given)}")
-    return tuple(given or default)
 
 
 def _near(name: str) -> str:

@@ -10,13 +10,13 @@ import numpy as np
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.episodes.loop import hunt
-from bayeshunt.experiments.preparation import check_planners, learn_rooms, prepare_planner
-from bayeshunt.experiments.protocol import check_arenas, learn_model
+from bayeshunt.experiments.preparation import check_model, check_planners, learn_rooms, prepare_planner
+from bayeshunt.experiments.protocol import check_arenas, learn_model, names_of
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory
 
@@ -29,11 +29,11 @@ def training_seed(seed: int, theta_index: int, run: int) -> int:
     return int(np.random.SeedSequence([seed, theta_index, run, _TRAINING]).generate_state(1, np.uint64)[0] >> 1)
 
 
-@checked
+@checked_but("arenas")
 def remember(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     *,
-    arenas: Sequence[str] | None = None,
+    arenas: str | Sequence[str] | None = None,
     planner: str = "reactive",
     runs: int = 30,
     seed: int = 0,
@@ -50,9 +50,11 @@ def remember(
     check_planners(settings, [planner], hunting=True)
     check_whole(runs, "runs", 1)
     check_whole(seed, "seed", 0)
-    chosen = list(arenas) if arenas else list(settings.arenas)
+    chosen = list(names_of(arenas, tuple(settings.arenas), "arenas"))
     check_arenas(settings, chosen)
     body, sizes = settings.robot.body.body_length, settings.model
+    if model is not None:
+        check_model(model, settings)
     axes = EffectAxes.standard(
         body, distance_bin=sizes.distance_bin, angle_bins=sizes.angle_bins, heading_bins=sizes.heading_bins
     )

@@ -15,10 +15,10 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.preparation import check_planners
-from bayeshunt.experiments.protocol import learn_model
+from bayeshunt.experiments.protocol import check_arenas, learn_model, names_of
 from bayeshunt.experiments.run.runner import Progress, check_minds, evaluate
 from bayeshunt.experiments.scores import mean_interval, summarise
 from bayeshunt.models.body.forward import ForwardModel
@@ -46,7 +46,7 @@ _CHANGE = re.compile(r"[+-]\d+(\.\d+)?%")
 Grid = Mapping[str, Sequence[Any]]
 
 
-@checked
+@checked_but("planners", "arenas")
 def sweep(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     grid: Grid | None = None,
@@ -54,8 +54,8 @@ def sweep(
     runs: int | None = None,
     seed: int = 0,
     jobs: int = 1,
-    planners: Sequence[str] | None = None,
-    arenas: Sequence[str] | None = None,
+    planners: str | Sequence[str] | None = None,
+    arenas: str | Sequence[str] | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> pd.DataFrame:
@@ -77,10 +77,11 @@ def sweep(
     grid = {"speed_ratio": AXES["speed_ratio"][1]} if grid is None else dict(grid)
     points = [(values, at_point(settings, values, runs)) for values in combinations(grid)]
     for _, point in points:
-        check_planners(point, planners or point.planners)
+        check_planners(point, names_of(planners, point.planners, "planners"))
+        check_arenas(point, names_of(arenas, tuple(point.arenas), "arenas"))
     models = _learn([point for _, point in points], seed)
     for (_, point), model in zip(points, models, strict=True):
-        check_minds(planners or point.planners, model, point)
+        check_minds(names_of(planners, point.planners, "planners"), model, point)
     rows: list[dict[str, Any]] = []
     for number, ((values, point), model) in enumerate(zip(points, models, strict=True)):
         results = evaluate(

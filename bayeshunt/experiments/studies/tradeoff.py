@@ -11,11 +11,11 @@ import pandas as pd
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.arguments import checked
+from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.preparation import check_planners, learn_rooms, own_settings, prepare_planner
-from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model
+from bayeshunt.experiments.protocol import check_arenas, hunt_seed, learn_model, names_of
 from bayeshunt.experiments.run.runner import Progress, evaluate
 from bayeshunt.experiments.scores import mean_interval, wilson_interval
 from bayeshunt.models.body.forward import ForwardModel
@@ -35,7 +35,7 @@ VARIED: dict[str, tuple[float, ...]] = {
 }
 
 
-@checked
+@checked_but("planners")
 def tradeoff(
     experiment: str | os.PathLike[str] | ExperimentSettings = DEFAULT_PRESET,
     vary: Mapping[str, Sequence[float]] | None = None,
@@ -43,7 +43,7 @@ def tradeoff(
     runs: int | None = None,
     seed: int = 0,
     jobs: int = 1,
-    planners: Sequence[str] = ("prediction", "planning"),
+    planners: str | Sequence[str] = ("prediction", "planning"),
     arena: str = "open",
     progress: Progress | None = None,
 ) -> pd.DataFrame:
@@ -61,9 +61,10 @@ def tradeoff(
     settings = load_experiment(experiment, None if runs is None else {"protocol.runs": runs})
     vary = {"transitions": VARIED["transitions"]} if vary is None else vary
     weights = _weights(settings)
-    check_planners(settings, planners)
+    beside = names_of(planners, (), "planners")
+    check_planners(settings, beside)
     check_arenas(settings, [arena])
-    cases = [(name, "", float("nan"), settings) for name in planners]
+    cases = [(name, "", float("nan"), settings) for name in beside]
     for weight, values in vary.items():
         if weight not in vars(weights):
             raise InputError(f"unknown weight {weight!r}{did_you_mean(weight, vars(weights))}")

@@ -32,7 +32,7 @@ from bayeshunt.models.assessment.warnings import warnings
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.counting.auto_axes import chosen_axes
 from bayeshunt.models.counting.backoff import BackOff, check_strength
-from bayeshunt.models.counting.measures import check_record, measured
+from bayeshunt.models.counting.measures import check_rows, measured
 from bayeshunt.models.tables.effects import check_size
 from bayeshunt.models.tables.structures import (
     NAIVE,
@@ -244,7 +244,7 @@ def _own_probability(model: ForwardModel, rows: CodedRows) -> np.ndarray:
 def _repertoire(frame: pd.DataFrame, gaits: Any, model: ForwardModel | None) -> GaitRepertoire:
     record = frame.attrs.get(PROVENANCE_KEY, {})
     if model is not None:
-        check_record(model.gaits, record, "the model's robot")
+        check_rows(model.gaits, model.provenance, record)
     if gaits is not None:
         return measured(gaits, _ANY_AXES, record)[0]
     if model is not None:

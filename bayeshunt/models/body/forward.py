@@ -31,7 +31,7 @@ from bayeshunt.models.body.residual_fit import residual_tables
 from bayeshunt.models.body.storing import WritableModel
 from bayeshunt.models.counting.auto_axes import chosen_axes, with_energy
 from bayeshunt.models.counting.joint import JointCounts
-from bayeshunt.models.counting.measures import check_record, measured
+from bayeshunt.models.counting.measures import check_rows, measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for
 from bayeshunt.models.motion.residuals import Residuals
 from bayeshunt.models.tables import network, sampling, structures
@@ -239,13 +239,13 @@ class ForwardModel(displays.Displayed, WritableModel):
         imported network or the part of a model.
         """
         self._check_whole("update")
+        record = rows.attrs.get(babbling_table.PROVENANCE_KEY)
         if self.has_counts:
             babbling_table.validate(rows)  # counting checks the gaits
-            check_record(self.gaits, rows.attrs.get(babbling_table.PROVENANCE_KEY), "the model's robot")
+            check_rows(self.gaits, self.provenance, record)
             warn_implausible(rows, self.gaits, self.source.outcome_axes)
         tables = self.source.learn(rows)
         sources = list(self.provenance.get("sources", []))
-        record = rows.attrs.get(babbling_table.PROVENANCE_KEY)
         if record and record not in sources:
             sources.append(record)
         provenance = {**self.provenance, "sources": sources} if sources else self.provenance

@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from bayeshunt.config.loading import recorded_gaits
+from bayeshunt.config.plausibility import warn_of_mixed_motion
 from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.errors import ConfigError, InputError
 from bayeshunt.core.gaits import Gait, GaitRepertoire
 
-__all__ = ["check_record", "measured"]
+__all__ = ["check_record", "check_rows", "measured"]
 
 
 def measured(
@@ -55,3 +56,13 @@ def check_record(gaits: GaitRepertoire, record: Mapping[str, Any] | None, whose:
         if (difference := its.difference(own, "the table's robot", whose)) is not None:
             raise InputError(f"{difference}; give a table of this robot, or the gaits of the robot that made it")
     return robot
+
+
+def check_rows(gaits: GaitRepertoire, provenance: Mapping[str, Any], record: Mapping[str, Any] | None) -> None:
+    """Hold the record of rows to a model of ``gaits`` and ``provenance``, which is to count or to foresee them.
+
+    Raises InputError if they are of another robot, see :func:`check_record`; issues a DataWarning if theirs has the
+    same gaits, but a body or a noise that moves it otherwise.
+    """
+    check_record(gaits, record, "the model's robot")
+    warn_of_mixed_motion(record, provenance)
