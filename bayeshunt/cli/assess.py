@@ -18,6 +18,7 @@ _BINS = "(default: the model's, or {})"
 
 
 @app.command(short_help="Is the model any good? Scores, tests, other structures.")
+@ingest.reads_logs
 def assess(
     data: Annotated[Path, typer.Argument(help="Babbling table made by bayeshunt babble.", show_default=False)],
     model: Annotated[Path | None, typer.Option(help="Model file: its bins and structure, its own scores too.")] = None,
@@ -42,15 +43,7 @@ def assess(
         bool, typer.Option("--auto-bins", help="Bins of the highest held-out density, chosen by these rows.")
     ] = False,
     robot: Annotated[str | None, typer.Option(help="Robot preset or TOML, if the table does not say.")] = None,
-    time_step: ingest.TimeStep = None,
-    gaits: ingest.Gaits = "25",
-    pose: ingest.Pose = None,
-    command: ingest.Command = None,
-    time: ingest.Time = None,
-    time_unit: ingest.TimeUnit = None,
-    unit: ingest.Unit = None,
-    angle: ingest.Angle = None,
-    body_length: ingest.BodyLength = None,
+    asked: Any = None,
     csv: Annotated[Path | None, out_folder("Write every table as CSV into this folder.")] = None,
     out: Annotated[Path | None, out_figure("Write the reliability diagram: a .png or .svg file.")] = None,
     as_json: Json = False,
@@ -69,7 +62,6 @@ def assess(
     from bayeshunt.models.formats.interchange import open_model
     from bayeshunt.views.terminal import terminal
 
-    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
     frame, notes = ingest.babbled(data, asked)
     for note in () if as_json else notes:
         terminal.say(note)
@@ -137,6 +129,7 @@ def _axes(frame: Any, gaits: Any, model: Any, widths: tuple[float | None, int | 
 
 
 @app.command(short_help="Score the pose after a gait, beside simple kinematics.")
+@ingest.reads_logs
 def score(
     data: Annotated[Path, typer.Argument(help="Babbling table, or a log, of one robot.", show_default=False)],
     model: Annotated[
@@ -150,23 +143,15 @@ def score(
         str | None, typer.Option(help="Column whose values stay together, such as the number of a held command.")
     ] = None,
     seed: Seed = 0,
-    gaits: Annotated[
-        str, typer.Option(help="Number of clusters of the command, or auto, found in each fold; or held, or a column.")
-    ] = "25",
-    time_step: ingest.TimeStep = None,
-    pose: ingest.Pose = None,
-    command: ingest.Command = None,
-    time: ingest.Time = None,
-    time_unit: ingest.TimeUnit = None,
-    unit: ingest.Unit = None,
-    angle: ingest.Angle = None,
-    body_length: ingest.BodyLength = None,
+    asked: Any = None,
     out: Annotated[Path | None, out_file("Write the table as CSV.", "tables of scores", ".csv")] = None,
     figure: Annotated[Path | None, out_figure("Draw it: a .png or .svg file.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Score the pose after a gait as models foresee it that have not counted it.
+
+    Clusters of the command are found anew in each fold's training rows.
 
     Example:  bayeshunt score log.csv --time-step 1 --gaits 25 --folds-by run --figure scores.png
     """
@@ -177,7 +162,6 @@ def score(
     from bayeshunt.views.terminal import terminal
     from bayeshunt.views.terminal.scores import forward_table
 
-    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
     frame, notes = ingest.babbled(data, asked)
     for note in () if as_json else notes:
         terminal.say(note)

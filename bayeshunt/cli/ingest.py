@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import shlex
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,8 +42,8 @@ _FEW = 20
 
 
 def log_options(
-    time_step: float | None, gaits: str, pose: str | None, command: str | None, time: str | None,
-    time_unit: str | None, unit: str | None, angle: str | None, body_length: float | None, seed: int = 0,
+    time_step: TimeStep = None, gaits: Gaits = "25", pose: Pose = None, command: Command = None, time: Time = None,
+    time_unit: TimeUnit = None, unit: Unit = None, angle: Angle = None, body_length: BodyLength = None,
 ) -> Any:  # fmt: skip
     """Return the options as ``data.ingesting.LogOptions``; InputError for a pose of other than three columns."""
     from bayeshunt.data.ingesting import LogOptions
@@ -50,7 +54,26 @@ def log_options(
     number: int | str = int(gaits) if gaits.lstrip("+-").isdigit() else gaits
     if isinstance(number, int) and number < 1:
         raise InputError(f"--gaits {gaits}: expected a number of at least 1, auto, held, or a column")
-    return LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length, seed)
+    return LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length)
+
+
+def reads_logs(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of :func:`log_options` in place of its argument ``asked``, which is what they say."""
+    own, ours = inspect.signature(command, eval_str=True), inspect.signature(log_options, eval_str=True).parameters
+
+    @functools.wraps(command)
+    def given(**options: Any) -> None:
+        asked = log_options(**{name: options.pop(name) for name in ours})
+        command(asked=asked, **options)
+
+    options = [
+        each
+        for argument in own.parameters.values()
+        for each in (ours.values() if argument.name == "asked" else (argument,))
+    ]
+    given.__dict__["__signature__"] = own.replace(parameters=options)
+    given.__annotations__ = {each.name: each.annotation for each in options}  # typer reads both
+    return given
 
 
 def _names(text: str | None) -> tuple[str, ...] | None:
@@ -146,18 +169,11 @@ def ingest_tracks(
 
 
 @ingest.command("log", short_help="A log of a robot, or a table of windows.")
+@reads_logs
 def ingest_log(
     files: Annotated[list[Path], typer.Argument(help="CSV, Parquet or ROS bag, of one robot.", show_default=False)],
     out: Annotated[Path, out_file("Babbling table to write.", "tables", ".parquet")],
-    time_step: TimeStep = None,
-    gaits: Gaits = "25",
-    pose: Pose = None,
-    command: Command = None,
-    time: Time = None,
-    time_unit: TimeUnit = None,
-    unit: Unit = None,
-    angle: Angle = None,
-    body_length: BodyLength = None,
+    asked: Any = None,
     seed: Seed = 0,
     licence: Licence = None,
     cite: Cite = None,
@@ -170,10 +186,7 @@ def ingest_log(
     from bayeshunt.data import babbling_table
     from bayeshunt.data.ingesting import babbling_from
 
-    asked = log_options(
-        time_step, gaits, pose, command, time, time_unit, unit, angle, body_length, seed
-    )  # fmt: skip
-    table = babbling_from(files, asked)
+    table = babbling_from(files, replace(asked, seed=seed))
     record = table.attrs["bayeshunt"]
     record.update(_said_of_it(licence, cite))
     babbling_table.save(table, out)

@@ -66,6 +66,7 @@ def babble(
 
 
 @app.command(short_help="Fit the network Gait -> Distance, Angle, Heading.")
+@ingest.reads_logs
 def fit(
     data: Annotated[
         list[Path], typer.Argument(help="Babbling tables made by bayeshunt babble, of one robot.", show_default=False)
@@ -111,15 +112,7 @@ def fit(
     angle_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Angle.")] = 36,
     heading_bins: Annotated[int, typer.Option(min=1, max=3600, help="Bins of the full turn for Heading.")] = 36,
     gait_prior: Annotated[str, typer.Option(help="P(Gait): uniform, or empirical (as often as babbled).")] = "uniform",
-    time_step: ingest.TimeStep = None,
-    gaits: ingest.Gaits = "25",
-    pose: ingest.Pose = None,
-    command: ingest.Command = None,
-    time: ingest.Time = None,
-    time_unit: ingest.TimeUnit = None,
-    unit: ingest.Unit = None,
-    angle: ingest.Angle = None,
-    body_length: ingest.BodyLength = None,
+    asked: Any = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -135,7 +128,6 @@ def fit(
     from bayeshunt.models.tables.structures import Structure
     from bayeshunt.views.terminal import terminal
 
-    asked = ingest.log_options(time_step, gaits, pose, command, time, time_unit, unit, angle, body_length)
     tables, notes = opened(data, asked, robot)
     for note in () if as_json else notes:
         terminal.say(note)
