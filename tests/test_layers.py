@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from collections import Counter
+from functools import cache
 
 import pytest
 from layers import PACKAGE, circle, imports, modules, names_imported
@@ -129,13 +130,37 @@ def test_folders_stay_small():
     assert not {str(folder): count for folder, count in counts.items() if count > 16}
 
 
+@cache
+def statements(text):
+    """What stands at the top of a module: read once for all tests of it."""
+    return ast.parse(text).body
+
+
+def unlisted(sources):
+    """Public functions and classes of modules that ``__all__`` does not name."""
+    for name, text in sources.items():
+        body = statements(text)
+        named = [
+            node.value for node in body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+        ]
+        listed = {word.value for word in ast.walk(*named) if isinstance(word, ast.Constant)} if named else set()
+        public = [node.name for node in body if isinstance(node, (ast.FunctionDef, ast.ClassDef))]
+        yield from (f"{name}.{one}" for one in public if not one.startswith("_") and one not in listed)
+
+
+def test_every_module_says_what_is_public():
+    assert list(unlisted(SOURCES)) == []
+    text = '__all__ = ["one"]\n\ndef one():\n    pass\n\ndef two():\n    pass\n\ndef _own():\n    pass\n'
+    assert list(unlisted({"bayeshunt.core.put_in": text})) == ["bayeshunt.core.put_in.two"]
+
+
 def unused(sources):
     """Functions and classes of modules that nothing names but their own definition and ``__all__``."""
     named = Counter(word for text in sources.values() for word in re.findall(r"\w+", text))
     return [
         f"{name}.{node.name}"
         for name, text in sources.items()
-        for node in ast.parse(text).body
+        for node in statements(text)
         if isinstance(node, (ast.FunctionDef, ast.ClassDef))
         and not any(isinstance(mark, ast.Call) for mark in node.decorator_list)  # commands
         and named[node.name] <= (2 if f'"{node.name}"' in text else 1)

@@ -27,6 +27,8 @@ from bayeshunt.cli.outputs import remembered_output
 from bayeshunt.cli.stopping import StoppedError
 from bayeshunt.core.errors import BayesHuntError, DataWarning, DeprecatedNameWarning, InputError
 
+__all__ = ["main"]
+
 #: The warnings that this command has printed.
 _SAID: set[str] = set()
 

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+__all__ = ["app", "root"]
+
 app = typer.Typer(
     name="bayeshunt",
     help="""A robot babbles to learn what its body can do, learns how its prey moves, and hunts it by asking

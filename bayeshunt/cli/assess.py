@@ -14,6 +14,8 @@ from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, gaits_of
 from bayeshunt.cli.outputs import out_figure, out_file, out_folder
 from bayeshunt.core.errors import InputError
 
+__all__ = ["assess", "score"]
+
 _BINS = "(default: the model's, or {})"
 
 

@@ -11,6 +11,8 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, complete_planner, complete_robot
 from bayeshunt.core.errors import InputError
 
+__all__ = ["Toml", "planners", "presets", "robots", "settings"]
+
 Toml = Annotated[bool, typer.Option("--toml", help="Print its settings file, to start your own from.")]
 
 

@@ -31,6 +31,8 @@ from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import InputError
 
+__all__ = ["evaluate", "status"]
+
 
 @app.command(short_help="Run the paper's experiment: its table beside ours.")
 def evaluate(

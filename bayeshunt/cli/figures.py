@@ -26,6 +26,8 @@ from bayeshunt.cli.options import (
 from bayeshunt.cli.outputs import out_file, out_folder
 from bayeshunt.core.errors import InputError
 
+__all__ = ["export", "figures"]
+
 
 @app.command(short_help="Draw the figures of the paper, as PNG and SVG.")
 def figures(

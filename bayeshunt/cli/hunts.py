@@ -27,6 +27,8 @@ from bayeshunt.cli.options import (
 )
 from bayeshunt.cli.outputs import Video, out_file, write_film
 
+__all__ = ["hunt"]
+
 
 @app.command(short_help="Run one hunt and show every decision.")
 def hunt(

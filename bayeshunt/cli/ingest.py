@@ -18,6 +18,28 @@ from bayeshunt.cli.outputs import out_file
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.units import length, unit_hint
 
+__all__ = [
+    "Angle",
+    "BodyLength",
+    "Cite",
+    "Command",
+    "Gaits",
+    "Licence",
+    "Pose",
+    "Time",
+    "TimeStep",
+    "TimeUnit",
+    "Unit",
+    "babbled",
+    "ingest",
+    "ingest_log",
+    "ingest_tracks",
+    "log_options",
+    "pairs",
+    "reads_logs",
+    "recorded_notes",
+]
+
 TimeStep = Annotated[float | None, typer.Option(help="A log: seconds of one window, the time that a gait is held.")]
 Gaits = Annotated[
     str,

@@ -17,6 +17,8 @@ from bayeshunt.cli.outputs import out_file
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import InputError
 
+__all__ = ["babble", "fit", "opened", "query"]
+
 
 @app.command(short_help="Let a robot try random gaits; write where each took it.")
 def babble(

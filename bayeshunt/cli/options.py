@@ -13,6 +13,37 @@ import typer
 
 from bayeshunt.core.errors import InputError, did_you_mean
 
+__all__ = [
+    "Arenas",
+    "Config",
+    "Jobs",
+    "Json",
+    "Model",
+    "Overrides",
+    "Planners",
+    "Preset",
+    "Quiet",
+    "Runs",
+    "Seed",
+    "asked_backoff",
+    "check_names",
+    "complete_arena",
+    "complete_planner",
+    "complete_preset",
+    "complete_robot",
+    "complete_structure",
+    "count_hunts",
+    "evaluate_words",
+    "gaits_of",
+    "load_or_learn",
+    "parse_overrides",
+    "read_experiment",
+    "say_chosen",
+    "settings_of",
+    "tell",
+    "toml_value",
+]
+
 
 def asked_backoff(rows: float | None) -> Any:
     """Return what ``--backoff`` says as the models take it: nothing is their default, 0 is none."""

@@ -17,6 +17,18 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.files.atomic import check_path, check_target
 from bayeshunt.files.endings import check_ending
 
+__all__ = [
+    "Output",
+    "Video",
+    "out_figure",
+    "out_file",
+    "out_film",
+    "out_folder",
+    "out_map",
+    "remembered_output",
+    "write_film",
+]
+
 
 def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False) -> Any:
     """Return an option that names a file to write; a name that cannot be written is refused before any work.

@@ -25,6 +25,8 @@ from bayeshunt.cli.options import (
 )
 from bayeshunt.cli.outputs import out_file, out_folder, out_map
 
+__all__ = ["explore", "reference", "remember", "routes"]
+
 
 @app.command(short_help="Compute the best the gaits allow, for planner reference.")
 def reference(

@@ -15,6 +15,8 @@ from bayeshunt.cli.options import Json, Quiet, Seed, tell
 from bayeshunt.cli.outputs import out_figure, out_file
 from bayeshunt.core.errors import InputError
 
+__all__ = ["behaviours_of_prey", "fit_prey", "follow_prey", "prey", "score"]
+
 prey = typer.Typer(rich_markup_mode=None, context_settings={"help_option_names": ["-h", "--help"]})
 app.add_typer(prey, name="prey", short_help="List the behaviours of prey; fit and score models of recorded prey.")
 

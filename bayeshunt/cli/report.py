@@ -11,6 +11,8 @@ from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Model, Quiet, settings_of, tell
 from bayeshunt.cli.outputs import Video, out_file, write_film
 
+__all__ = ["replay", "report"]
+
 
 @app.command(short_help="Write a page that plays recorded hunts.")
 def replay(

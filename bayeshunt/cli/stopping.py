@@ -6,6 +6,8 @@ import contextlib
 import signal
 from collections.abc import Callable, Iterator
 
+__all__ = ["StoppedError", "stoppable"]
+
 
 class StoppedError(Exception):
     """The user stopped the work; the text says what is kept."""

@@ -30,6 +30,8 @@ from bayeshunt.cli.outputs import out_folder
 from bayeshunt.cli.stopping import stoppable
 from bayeshunt.core.errors import ConfigError, InputError
 
+__all__ = ["sweep", "tradeoff"]
+
 
 @app.command(short_help="Vary settings: success and catch time, with a figure.")
 def sweep(

@@ -15,7 +15,7 @@ from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.core.gaits import Gait
 
-__all__ = ["AUTO", "HELD", "NamedGaits", "best_number", "cluster", "gaits_of_commands", "is_column"]
+__all__ = ["AUTO", "HELD", "NamedGaits", "best_number", "cluster", "gaits_of_commands", "is_column", "nearest"]
 
 #: What ``gaits`` may say instead of a number or a column.
 AUTO, HELD = "auto", "held"

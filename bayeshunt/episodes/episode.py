@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from bayeshunt.config.schema import ExperimentSettings
     from bayeshunt.planners.api import Plan, Situation
 
+__all__ = ["Episode"]
+
 _KIND = "episode"
 _MAKER = "bayeshunt hunt"
 _TRAIL = ("time", "hunter_x", "hunter_y", "hunter_theta", "prey_x", "prey_y", "prey_theta")

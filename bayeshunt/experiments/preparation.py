@@ -21,6 +21,8 @@ from bayeshunt.planners.cost import Cost, Weighed
 from bayeshunt.planners.registry import check_hunts, check_needs, check_sections, explores, find_planner, make_planner
 from bayeshunt.worlds.exploring import explore
 
+__all__ = ["check_model", "check_planners", "learn_room", "learn_rooms", "own_settings", "prepare_planner"]
+
 #: Seconds for which a robot babbles in an arena before it hunts there: 1,000 time-steps of preset "paper".
 _EXPLORING = 3328.0
 

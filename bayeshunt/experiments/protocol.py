@@ -14,6 +14,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.tables.structures import depends_on_previous
 from bayeshunt.worlds.babbling import babble
 
+__all__ = ["HuntTask", "check_arenas", "check_once", "hunt_seed", "learn_model", "names_of", "plan_hunts"]
+
 
 class HuntTask(NamedTuple):
     """One hunt to run. ``seed`` depends on theta's position and the run alone, not on planner or arena."""

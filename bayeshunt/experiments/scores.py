@@ -16,6 +16,8 @@ from bayeshunt.core.arguments import checked
 from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError
 
+__all__ = ["as_evaluated", "mean_interval", "paired_differences", "summarise", "wilson_interval"]
+
 #: 97.5 % quantile of the standard normal distribution.
 _Z95 = 1.959963984540054
 

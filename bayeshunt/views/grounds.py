@@ -13,6 +13,26 @@ if TYPE_CHECKING:
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.posterior import Posterior
 
+__all__ = [
+    "NO_COUNTS",
+    "SUMMED_OVER",
+    "babbled",
+    "beyond",
+    "cell",
+    "cell_within",
+    "coordinate_used",
+    "coordinates",
+    "description",
+    "energy",
+    "how_sure",
+    "interval",
+    "known",
+    "rows",
+    "snapped",
+    "support",
+    "within",
+]
+
 #: Why nothing is known of the rows behind an imported network.
 NO_COUNTS = "an imported network carries no counts"
 #: Where the low end of P(best gait) is below, the answer is not sure; from here on it is sure.

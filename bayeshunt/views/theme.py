@@ -15,6 +15,8 @@ import numpy as np
 from bayeshunt.core.errors import ZeroCountError
 from bayeshunt.models.body.forward import ForwardModel
 
+__all__ = ["COLOURS", "GAITS", "PLANNERS", "gait_colours", "gait_names", "gait_variables", "palette", "style"]
+
 #: Light and dark values of every colour by its meaning; heat and glow as red, green, blue.
 COLOURS = {
     "ink": ("#1b1f24", "#e8eaed"),

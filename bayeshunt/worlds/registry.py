@@ -12,7 +12,15 @@ from bayeshunt.core.protocols import World
 from bayeshunt.worlds.prey.names import is_recorded
 from bayeshunt.worlds.scene import Scene
 
-__all__ = ["BOX2D", "WorldFactory", "make_world", "register_world", "registered_worlds", "world_names"]
+__all__ = [
+    "BOX2D",
+    "WorldFactory",
+    "check_world_name",
+    "make_world",
+    "register_world",
+    "registered_worlds",
+    "world_names",
+]
 
 #: Makes a world from a scene.
 WorldFactory = Callable[[Scene], World]

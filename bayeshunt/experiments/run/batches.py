@@ -25,6 +25,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.api import Planner
 from bayeshunt.planners.registry import explores
 
+__all__ = ["Ticket", "batches", "run_batch"]
+
 _BATCH = 20  # hunts handed to a worker at a time
 
 

@@ -30,6 +30,8 @@ from bayeshunt.worlds.prey.names import is_recorded
 from bayeshunt.worlds.recorded.path import path_of
 from bayeshunt.worlds.registry import check_world_name, register_world, registered_worlds
 
+__all__ = ["Additions", "check_names", "load_plugin", "used_additions"]
+
 _REGISTER = (
     "call bayeshunt.register_prey(name, class) or bayeshunt.register_planner(name, class), or another register_, in it"
 )

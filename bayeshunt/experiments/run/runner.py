@@ -34,6 +34,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.models.tables.structures import NAIVE
 
+__all__ = ["Progress", "Say", "check_jobs", "check_minds", "evaluate", "experiment_settings", "results_frame"]
+
 #: Called with the number of hunts that have just ended (or had ended before).
 Progress = Callable[[int], None]
 #: Called with one line that the user should see.

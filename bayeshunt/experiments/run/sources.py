@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+__all__ = ["imported_files", "source_hashes"]
+
 
 def source_hashes(used: dict[str, Any]) -> dict[str, str]:
     """Return the SHA-256 of the source of each class or function in ``used``, by its name there.

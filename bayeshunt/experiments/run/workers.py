@@ -20,6 +20,19 @@ import numpy as np
 
 from bayeshunt.core.errors import BayesHuntError, InputError, WorkerError
 
+__all__ = [
+    "LOCAL",
+    "Item",
+    "Output",
+    "check_jobs",
+    "check_scheduler",
+    "check_worker_versions",
+    "guard_worker",
+    "parallel",
+    "stand_in",
+    "work_off",
+]
+
 Item = TypeVar("Item")
 Output = TypeVar("Output")
 

@@ -24,6 +24,8 @@ from bayeshunt.episodes.loop import Result
 from bayeshunt.experiments.protocol import HuntTask
 from bayeshunt.experiments.store.identity import Identity
 
+__all__ = ["DATABASE_FILE", "FORMAT", "KIND", "HuntDatabase", "Numbered", "Session", "Sink", "Writer"]
+
 DATABASE_FILE = "hunts.sqlite"
 KIND = "bayeshunt hunts"
 FORMAT = 2

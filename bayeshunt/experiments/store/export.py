@@ -23,6 +23,20 @@ from bayeshunt.files.atomic import write_text
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.registry import is_ab_initio
 
+__all__ = [
+    "HUNTS_FILE",
+    "NOT_AB_INITIO",
+    "SUMMARY_JSON",
+    "SUMMARY_MARKDOWN",
+    "another_model",
+    "check_output_folder",
+    "check_same_export",
+    "load_results",
+    "save_results",
+    "summary",
+    "to_markdown",
+]
+
 HUNTS_FILE = "hunts.parquet"
 SUMMARY_JSON = "summary.json"
 SUMMARY_MARKDOWN = "summary.md"

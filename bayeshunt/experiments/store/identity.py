@@ -25,6 +25,8 @@ from bayeshunt.models.formats import model_file as model_files
 from bayeshunt.worlds.box2d.version import version as box2d_version
 from bayeshunt.worlds.prey.names import RECORDED, is_recorded
 
+__all__ = ["LIBRARIES", "Identity", "fingerprint", "model_fingerprint", "versions"]
+
 #: Distributions whose version may change a result: all that the world, the models, the planners and the hunt import.
 LIBRARIES = ("bayeshunt", "box2d", "mujoco", "numpy", "pandas", "pgmpy", "pykalman", "scipy", "shapely")
 _ABSENT = "not given"

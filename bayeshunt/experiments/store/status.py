@@ -11,6 +11,8 @@ from bayeshunt.core.errors import ResultsError
 from bayeshunt.experiments.store.database import DATABASE_FILE, HuntDatabase
 from bayeshunt.files.locks import is_locked
 
+__all__ = ["Share", "Status", "status"]
+
 _RECENT = 500  # hunts over which the rate is taken
 
 

@@ -29,6 +29,8 @@ from bayeshunt.files.atomic import check_target
 from bayeshunt.files.locks import LOCK_FILE, FolderLock
 from bayeshunt.worlds.babbling import babble, provenance
 
+__all__ = ["SHARD_ROWS", "Shard", "babble_shard", "babble_to_file", "kept_rows", "shard_seed"]
+
 #: Rows of a shard; a table of no more rows is one stream and comes from :func:`bayeshunt.babble` itself.
 SHARD_ROWS = parquet.ROW_GROUP
 _SHARDS = "[0-9]*.parquet"

@@ -20,6 +20,8 @@ from bayeshunt.experiments.protocol import check_arenas, learn_model, names_of
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.memory import PreyMemory
 
+__all__ = ["PLACE_SIZE", "remember", "training_seed"]
+
 _TRAINING = 1  # a fourth number in the seed sequence, which the hunts of an evaluation do not have
 PLACE_SIZE = 3.5  # body lengths
 

@@ -24,6 +24,8 @@ from bayeshunt.planners.bounds.reference import FORMAT, ReferenceTable
 from bayeshunt.planners.bounds.relative import Chase, Grid, solve
 from bayeshunt.worlds.babbling import babble
 
+__all__ = ["EXPECTED_SWEEPS", "reference"]
+
 #: Sweeps and tables that a progress bar may expect; the solution usually needs fewer.
 EXPECTED_SWEEPS = 110
 

@@ -23,6 +23,8 @@ from bayeshunt.experiments.run.runner import Progress, check_minds, evaluate
 from bayeshunt.experiments.scores import mean_interval, summarise
 from bayeshunt.models.body.forward import ForwardModel
 
+__all__ = ["AXES", "COLUMNS", "Grid", "at_point", "combinations", "sweep"]
+
 #: Names for sweeps that people ask for; any other axis is a dotted key of the settings.
 AXES: dict[str, tuple[str, tuple[float, ...]]] = {
     "speed_ratio": ("prey speed / hunter's top speed", (0.5, 0.6, 0.7, 0.8, 0.833, 0.9, 1.0, 1.1, 1.2, 1.3)),

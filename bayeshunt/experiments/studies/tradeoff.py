@@ -24,6 +24,8 @@ from bayeshunt.planners.cost import Cost
 from bayeshunt.planners.registry import planner_info
 from bayeshunt.planners.settings import settings_fields
 
+__all__ = ["VARIED", "WEIGHED", "planning_time", "tradeoff"]
+
 #: The planner that weighs its costs; the others are shown beside it.
 WEIGHED = "frugal"
 #: Values of a varied weight by default: per metre, per change of gait, per second of planning, per joule.

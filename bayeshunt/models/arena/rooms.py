@@ -27,6 +27,8 @@ from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.body.forward import ForwardModel
 
+__all__ = ["RoomModel"]
+
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
 _COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
 #: A step ended this many body lengths, or this share of the longest step if that is less, from where its gait leads:

@@ -45,6 +45,8 @@ from bayeshunt.models.tables.structures import (
     strength_of,
 )
 
+__all__ = ["PRIOR", "Assessment", "assess"]
+
 #: Bins that know no body.
 _ANY_AXES = EffectAxes(Axis.linear("Distance", 1.0), Axis.full_turn("Angle", 1), Axis.full_turn("Heading", 1))
 #: Dirichlet pseudo-count per cell of an assessment: about one row's worth in a column of 36 bins.

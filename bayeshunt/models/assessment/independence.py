@@ -17,6 +17,8 @@ from bayeshunt.core.bins import EFFECTS
 from bayeshunt.models.assessment.rows import CodedRows
 from bayeshunt.models.tables.structures import PREVIOUS
 
+__all__ = ["g_statistic", "independence", "permuted"]
+
 #: Relative slack when a shuffle's G is compared with the data's: equal tables may round differently.
 _SLACK = 1e-9
 

@@ -14,6 +14,8 @@ from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
 from bayeshunt.models.tables.structures import CAUSES, PREVIOUS
 
+__all__ = ["NO_GAIT", "CodedRows", "set_aside"]
+
 #: State of PreviousGait in a row that no gait went before.
 NO_GAIT = "(none)"
 #: A row this many times as far out as nine tenths of the rows is no outcome of a gait, if it is beyond so many bins.

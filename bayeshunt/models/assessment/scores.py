@@ -19,6 +19,20 @@ from bayeshunt.models.counting.cells import CountedCells, conditional
 from bayeshunt.models.tables.effects import local_tables, multiply
 from bayeshunt.models.tables.structures import PREVIOUS, Structure, find_structure
 
+__all__ = [
+    "RELIABILITY_BINS",
+    "HeldOut",
+    "accuracy",
+    "brier",
+    "confusion",
+    "gains_of_gait",
+    "gait_blind",
+    "held_out",
+    "log_loss",
+    "reliability",
+    "variable_scores",
+]
+
 #: Equal-width bins of the forecast probability in a reliability diagram.
 RELIABILITY_BINS = 10
 

@@ -17,6 +17,8 @@ from bayeshunt.models.tables import network
 from bayeshunt.models.tables.effects import check_size, local_tables
 from bayeshunt.models.tables.structures import NAIVE, Structure, bic, find_structure
 
+__all__ = ["compare"]
+
 #: Two-sided 95 % of a normal distribution.
 _Z = 1.959963984540054
 

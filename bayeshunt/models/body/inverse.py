@@ -25,6 +25,8 @@ from bayeshunt.models.body.nearest import FARTHEST, CellFinder
 from bayeshunt.models.body.posterior import Cell, CellPosterior, Posterior
 from bayeshunt.models.tables.structures import PREVIOUS, depends_on_previous
 
+__all__ = ["InverseModel"]
+
 _PI, _TWO_PI, _INF = math.pi, 2.0 * math.pi, math.inf
 #: Angles of a target may be this many turns off: sums of a bearing and a turn; degrees go far beyond.
 _TURNS = 2

@@ -16,6 +16,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.certainty.interval import interval
 from bayeshunt.models.certainty.sensitivity import sensitivity
 
+__all__ = ["Cell", "CellPosterior", "Posterior"]
+
 
 class Cell(NamedTuple):
     """A learned coordinate: the bins used as evidence, their centres and their labels.

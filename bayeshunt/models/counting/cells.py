@@ -10,6 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+__all__ = [
+    "MAX_DISTANCE_BINS",
+    "MAX_TABLE_CELLS",
+    "CountedCells",
+    "conditional",
+    "count_numbers",
+    "log_likelihood",
+    "mutual_information",
+    "number_cells",
+    "parameters",
+]
+
 #: The open-ended distance grid stops here: one absurd row must not ask for gigabytes of table.
 MAX_DISTANCE_BINS = 100_000
 #: Tables larger than this (128 MB of probabilities) are refused rather than allocated.

@@ -24,6 +24,8 @@ from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS, CountedCells
 from bayeshunt.models.counting.energy import add_up, count_energy, energy_reached, nothing, tally_energy
 from bayeshunt.models.counting.tally import SCALE, tally_rows
 
+__all__ = ["JointCounts"]
+
 _COUNTED = ("cells", "counts", "sums", "energy", "spent")
 
 

@@ -19,6 +19,8 @@ from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.tables.structures import PREVIOUS, Structure, depends_on_previous
 
+__all__ = ["COLUMN", "PreviousCounts", "counts_for", "previous_codes"]
+
 #: The column of a babbling table that says which gait went before.
 COLUMN = "previous_gait"
 

@@ -23,6 +23,8 @@ from bayeshunt.models.counting.measures import measured
 from bayeshunt.models.counting.previous import PreviousCounts, counts_for, previous_codes
 from bayeshunt.models.tables.structures import Structure
 
+__all__ = ["count_tables", "open_tables", "rows_of"]
+
 #: What a babbling table records of the robot that decides what its rows mean.
 _ROBOT = "robot"
 

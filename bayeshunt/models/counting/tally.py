@@ -19,6 +19,8 @@ from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.data import babbling_table
 from bayeshunt.models.counting.cells import count_numbers, number_cells
 
+__all__ = ["SCALE", "tally_rows"]
+
 #: Fixed point: units per metre, and per unit of cosine or sine.
 SCALE = 1e9
 #: Rows of a part: their intermediate arrays, half a megabyte each, stay in the cache.

@@ -25,6 +25,8 @@ from bayeshunt.models.formats.network_tables import (
     numbers,
 )
 
+__all__ = ["Token", "read"]
+
 _TOKEN = re.compile(
     r"""(?P<comment>//[^\n]*|/\*.*?\*/)"""
     r"""|"(?:[^"\\]|\\.)*"|[{}()\[\],;|]|(?:(?!//|/\*)[^\s{}()\[\],;|])+|/\*""",

@@ -20,6 +20,8 @@ from bayeshunt.models.formats.network_tables import NetworkTables, duplicate, fe
 from bayeshunt.models.tables import network
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
+__all__ = ["KINDS", "is_network", "open_model", "read_network", "read_tables"]
+
 #: Endings of the files that :func:`read_network` reads.
 KINDS = (".xml", ".xmlbif", ".bifxml", ".bif")
 

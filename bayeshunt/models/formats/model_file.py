@@ -35,7 +35,7 @@ from bayeshunt.models.tables.residual import ResidualTables
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
-__all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Stored", "dumps", "load", "loads", "save"]
+__all__ = ["FORMAT", "KIND", "MAKER", "READABLE", "Storable", "Stored", "dumps", "load", "loads", "save"]
 
 #: What the file says it is.
 KIND = "bayeshunt forward model"

@@ -17,6 +17,19 @@ import numpy as np
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.counting.cells import MAX_TABLE_CELLS
 
+__all__ = [
+    "ROUNDING",
+    "Definition",
+    "NetworkTables",
+    "Row",
+    "Source",
+    "Variable",
+    "assemble",
+    "duplicate",
+    "few",
+    "numbers",
+]
+
 #: Columns of a file may miss 1 by this much, since programs round what they write; they are rescaled.
 ROUNDING = 1e-3
 #: An error lists this many names, and the number of the others.

@@ -24,6 +24,8 @@ from bayeshunt.files.atomic import check_path, write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.models.tables.structures import Structure
 
+__all__ = ["Exported", "labels_path", "safe_labels", "write"]
+
 
 class Exported(Protocol):
     """What an export is made of; a forward model has it."""

@@ -13,6 +13,8 @@ from xml.parsers import expat
 from bayeshunt.core.errors import InputError
 from bayeshunt.models.formats.network_tables import Definition, NetworkTables, Source, Variable, assemble, few, numbers
 
+__all__ = ["read"]
+
 
 @dataclass
 class _Element:

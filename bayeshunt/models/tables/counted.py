@@ -35,7 +35,15 @@ from bayeshunt.models.tables.effects import IndependentEffects, JointEffects, ch
 from bayeshunt.models.tables.sources import TableSource
 from bayeshunt.models.tables.structures import NAIVE, PREVIOUS, PREVIOUS_GAIT, Structure, depends_on_previous
 
-__all__ = ["GAIT_PRIORS", "ContextTables", "CountedTables", "tables_of"]
+__all__ = [
+    "GAIT_PRIORS",
+    "ContextTables",
+    "CountedTables",
+    "check_every_gait_seen",
+    "check_settings",
+    "shares",
+    "tables_of",
+]
 
 #: How P(Gait) is set: 1/G as in the paper, or the share of each gait in the rows.
 GAIT_PRIORS = ("uniform", "empirical")

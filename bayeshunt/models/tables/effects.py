@@ -25,6 +25,8 @@ from bayeshunt.models.counting.joint import JointCounts
 from bayeshunt.models.tables import sampling
 from bayeshunt.models.tables.structures import CAUSES, Structure
 
+__all__ = ["IndependentEffects", "JointEffects", "check_size", "compile_effects", "local_tables", "multiply"]
+
 _LETTERS = dict(zip((*CAUSES, *EFFECTS), "pgdah", strict=True))
 #: Samples drawn at a time: each compares its uniform number with a whole column.
 _CHUNK = 1 << 15

@@ -17,6 +17,8 @@ from bayeshunt.core.gaits import GaitRepertoire
 from bayeshunt.models.counting.cells import CountedCells
 from bayeshunt.models.tables.structures import NAIVE, Structure
 
+__all__ = ["TOLERANCE", "VARIABLES", "build", "check_equal", "fit_cells", "fit_energy", "state_names", "structure"]
+
 #: The variables of the network, parent first.
 VARIABLES = ("Gait", *EFFECTS)
 #: pgmpy's tables and ours may differ by this much, no more.

@@ -10,6 +10,8 @@ import pandas as pd
 
 from bayeshunt.core import displays
 
+__all__ = ["ProbabilityTable"]
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ProbabilityTable(displays.Displayed):

@@ -9,6 +9,8 @@ from bayeshunt.core.checks import check_numbers
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 
+__all__ = ["UNIFORMS", "check_uniforms", "cumulative", "draw"]
+
 #: Random numbers that one outcome uses: three choose the bins, three the place inside them.
 UNIFORMS = 6
 

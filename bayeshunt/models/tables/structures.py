@@ -28,6 +28,25 @@ from bayeshunt.models.counting.cells import (
     parameters,
 )
 
+__all__ = [
+    "CAUSES",
+    "JOINT",
+    "NAIVE",
+    "PREVIOUS",
+    "PREVIOUS_GAIT",
+    "SEARCHED",
+    "STRUCTURES",
+    "Edge",
+    "Structure",
+    "bic",
+    "check_hunting",
+    "depends_on_previous",
+    "find_structure",
+    "search_structure",
+    "strength_of",
+    "tree_augmented",
+]
+
 #: The gait executed just before: a second cause, because momentum carries over.
 PREVIOUS = "PreviousGait"
 #: Variables that the robot chooses: they have no parents.

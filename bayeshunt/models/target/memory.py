@@ -22,6 +22,8 @@ from bayeshunt.files.atomic import write_text
 from bayeshunt.files.endings import check_ending
 from bayeshunt.files.records import RecordKind, digest
 
+__all__ = ["FORMAT", "KINDS", "Cell", "Context", "PreyMemory", "TransitionTables"]
+
 FORMAT = 1
 #: How a table may be conditioned.
 KINDS = ("all", "place", "previous")

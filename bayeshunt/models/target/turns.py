@@ -23,6 +23,8 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.models.body.forward import ForwardModel
 
+__all__ = ["OwnMotion", "TurnModel", "earlier_poses", "in_legs", "joined"]
+
 
 class OwnMotion(NamedTuple):
     """What a hunter knows of its own mean motion.

@@ -20,6 +20,8 @@ from bayeshunt.views import grounds, theme
 from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, tag
 
+__all__ = ["Window", "episode_map", "gait_key", "inverse_map", "plan_map", "sector"]
+
 _MARGIN = 26
 _MOST_DOUBTED = 400  # coordinates whose interval is worked out, at some 2 ms each
 _MOST_SECTORS = 1500  # of an inverse map: some 300 kB

@@ -16,6 +16,8 @@ from bayeshunt.views import grounds
 from bayeshunt.views.drawings import svg
 from bayeshunt.views.notebook.html import Html, tag
 
+__all__ = ["marginals", "network", "posteriors"]
+
 _WIDTH = 720
 _NODE = (292, 96)  # width and height of an effect's node
 _GAP = 18

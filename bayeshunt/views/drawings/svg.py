@@ -11,6 +11,8 @@ from typing import Any
 
 from bayeshunt.views.notebook.html import Html, tag
 
+__all__ = ["CATCH", "arrow", "box", "disc", "drawing", "line", "shorten", "text"]
+
 INK, FAINT, LINE, PANEL = "var(--bh-ink)", "var(--bh-faint)", "var(--bh-line)", "var(--bh-panel)"
 BAR, CHOSEN, HUNTER, PREY = "var(--bh-bar)", "var(--bh-chosen)", "var(--bh-hunter)", "var(--bh-prey)"
 CATCH = "var(--bh-good)"

@@ -26,9 +26,25 @@ from bayeshunt.views.figures.space import free_space
 from bayeshunt.views.figures.style import save
 
 __all__ = [
-    "described", "experiment", "forward_scores", "free_space", "gait_outcomes", "network", "paper_figures",
-    "planning_step", "prey", "prey_scores", "prey_table", "prey_transition", "reliability", "save", "save_all",
-    "search_tree", "setup", "success",
+    "described",
+    "experiment",
+    "forward_scores",
+    "free_space",
+    "gait_outcomes",
+    "instructive_plan",
+    "network",
+    "paper_figures",
+    "planning_step",
+    "prey",
+    "prey_scores",
+    "prey_table",
+    "prey_transition",
+    "reliability",
+    "save",
+    "save_all",
+    "search_tree",
+    "setup",
+    "success",
 ]  # fmt: skip
 
 #: The paper's figure of each experiment; other combinations are called after planner and arena only.

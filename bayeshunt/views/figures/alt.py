@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.views.notebook.html import tag
 
+__all__ = ["Described", "described"]
+
 _DOTS = 150  # per inch, of the picture
 _SHOWN = 96  # per inch, on the screen
 

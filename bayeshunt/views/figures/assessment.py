@@ -13,6 +13,8 @@ from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.models.assessment.assess import Assessment
 from bayeshunt.views.figures.style import BAR, CHOSEN, FAINT, INK, LINE, styled
 
+__all__ = ["reliability"]
+
 _PANELS = ("Distance", "Angle", "Heading", "Gait")
 _GIVEN = {"Gait": "Distance,\nAngle"}  # in one line it runs out of the figure
 

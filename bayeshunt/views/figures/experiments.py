@@ -19,6 +19,8 @@ from bayeshunt.experiments.scores import summarise
 from bayeshunt.views.figures.style import BAR, FAINT, HUNTER, INK, LINE, PREY, body, frame_axes, solid, styled
 from bayeshunt.views.reported import p_text
 
+__all__ = ["draw_setup", "draw_success", "experiment", "setup", "success"]
+
 
 @styled
 def setup(settings: ExperimentSettings, arena: str) -> Figure:

@@ -19,6 +19,8 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.episodes.episode import Episode
 from bayeshunt.views.figures.style import CATCH, FAINT, HUNTER, PREY, shorten, solid, styled
 
+__all__ = ["draw_place", "hunts", "path_of", "reach_of"]
+
 _PANEL = 2.25  # inches
 _ROOM = 0.16  # inches above the first titles, which the layout does not see whole
 _MARGIN = 90.0  # mm around the paths

@@ -20,6 +20,8 @@ from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.views import grounds, theme
 from bayeshunt.views.figures.style import BAR, CHOSEN, FAINT, INK, LINE, PREY, body, frame_axes, shorten, styled
 
+__all__ = ["draw_prey_table", "draw_transition", "gait_outcomes", "network", "prey", "prey_table", "prey_transition"]
+
 _MOST_CELLS = 24
 _MOST_DOTS = 300  # per gait
 _MOST_VECTORS = 50  # per gait: dots drawn one by one in a vector file

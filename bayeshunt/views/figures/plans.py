@@ -14,6 +14,8 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.planners.api import Plan
 from bayeshunt.views.figures.style import CHOSEN, FAINT, HUNTER, LINE, PREY, body, frame_axes, shorten, styled
 
+__all__ = ["planning_step", "search_tree"]
+
 
 @styled
 def search_tree(plan: Plan) -> Figure:

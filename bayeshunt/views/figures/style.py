@@ -20,6 +20,8 @@ from matplotlib.patches import Circle, Polygon
 from bayeshunt.files.atomic import replace_atomically
 from bayeshunt.views import theme
 
+__all__ = ["FORMATS", "MARKERS", "PLANNERS", "body", "frame_axes", "save", "shorten", "solid", "styled", "write"]
+
 INK, FAINT, LINE, BAR = (theme.COLOURS[name][0] for name in ("ink", "faint", "line", "bar"))
 CHOSEN, HUNTER, PREY, CATCH = (theme.COLOURS[name][0] for name in ("chosen", "hunter", "prey", "good"))
 #: A colour and a marker for each planner.

@@ -14,6 +14,8 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.experiments.studies.sweep import AXES, COLUMNS
 from bayeshunt.views.figures.style import FAINT, LINE, MARKERS, PLANNERS, shorten, styled
 
+__all__ = ["MAX_PANELS", "sweep_figure"]
+
 #: Drawn as a limit: grey, dashed, without an interval.
 _LIMIT = "kinematic_limit"
 #: More panels side by side than this cannot be read.

@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 from bayeshunt.views.figures.style import FAINT, LINE, MARKERS, PLANNERS, shorten, styled
 
+__all__ = ["tradeoff_figure"]
+
 _PANELS = (("mean_transitions", "changes of gait per hunt"), ("mean_distance_m", "way travelled per hunt [m]"))
 _ENERGY = ("mean_energy_j", "energy per hunt [J]")
 

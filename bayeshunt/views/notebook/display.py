@@ -46,7 +46,7 @@ from bayeshunt.views.sheets import (
 )  # fmt: skip
 from bayeshunt.views.sheets.sheet import Sheet
 
-__all__ = ["bundle", "save", "sheet", "to_html", "to_text", "widget"]
+__all__ = ["bundle", "page", "save", "sheet", "to_html", "to_text", "widget"]
 
 
 def to_html(thing: Any) -> str:

@@ -19,6 +19,8 @@ from bayeshunt.views import grounds, theme
 from bayeshunt.views.opened import opened
 from bayeshunt.views.pages.page import asset, number
 
+__all__ = ["Explorer", "outcome_table"]
+
 #: Outcomes less probable than this share of the most probable one are not drawn.
 _FAINT = 0.01
 #: At most so many outcomes are drawn.

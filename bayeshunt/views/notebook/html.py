@@ -8,6 +8,8 @@ from typing import Any
 
 from bayeshunt.views import theme
 
+__all__ = ["Html", "card", "facts", "fold", "join", "number", "probability", "row", "table", "tag"]
+
 
 class Html(str):
     """Text that is markup already."""

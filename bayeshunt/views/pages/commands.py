@@ -12,6 +12,8 @@ from typing import Any
 from bayeshunt.config.loading import load_experiment, preset_names
 from bayeshunt.config.schema import ExperimentSettings
 
+__all__ = ["SETTINGS_FILE", "evaluate_command", "hunt_command", "model_option", "preset_of", "to_toml"]
+
 #: What the settings file is called in the commands, where no preset has these settings.
 SETTINGS_FILE = "settings.toml"
 

@@ -20,6 +20,8 @@ from bayeshunt.views import theme
 if TYPE_CHECKING:
     import jinja2
 
+__all__ = ["asset", "embed", "number", "render"]
+
 _VIEWS = resources.files("bayeshunt") / "views"
 
 

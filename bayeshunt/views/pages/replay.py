@@ -38,6 +38,8 @@ from bayeshunt.views.pages.page import embed, number, render
 from bayeshunt.views.pages.replay_belief import belief_of, field_of_view
 from bayeshunt.views.pages.replay_search import asked_again, colours, considered, realised, whiskers
 
+__all__ = ["SCRIPTS", "STYLES", "replay_data", "replay_html", "write_replay"]
+
 #: What the player of a hunt is made of, for pages that have one.
 STYLES = ("player.css", "trace.css")
 SCRIPTS = ("dom.js", "units.js", "trace.js", "icicle.js", "lanes.js", "field.js", "player.js")

@@ -31,6 +31,8 @@ from bayeshunt.views.pages.replay import SCRIPTS, STYLES
 from bayeshunt.views.pages.report_charts import styles, success_charts, time_charts
 from bayeshunt.views.pages.report_gallery import Shelf, build_shelf
 
+__all__ = ["Progress", "report_facts", "report_html", "write_report"]
+
 _MOST_PAIRS = 60  # of planners, in the table of differences
 #: Called with the number of rows of the gallery that have just been made.
 Progress = Callable[[int], None]

@@ -16,6 +16,8 @@ from bayeshunt.core.units import degrees, theta
 from bayeshunt.experiments.scores import wilson_interval
 from bayeshunt.views.theme import PLANNERS
 
+__all__ = ["MARKERS", "Scale", "Ticks", "styles", "success_charts", "time_charts"]
+
 #: Values of an axis and what is written there.
 Ticks = list[tuple[float, str]]
 #: Size of a chart [px]; the page scales it.

@@ -20,6 +20,8 @@ from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.asking import Timed
 from bayeshunt.views.pages.replay import replay_data
 
+__all__ = ["Shelf", "build_shelf", "choose", "thumbnail"]
+
 #: A trail point every so many control intervals: the player draws straight lines between them.
 _EVERY = 2
 

@@ -10,6 +10,8 @@ from bayeshunt.views.notebook.html import Html, number, row, table, tag
 from bayeshunt.views.sheets.sheet import Drawn, Note, Printed, Sheet
 from bayeshunt.views.terminal.assessment import assessment_text
 
+__all__ = ["assessment"]
+
 
 def assessment(shown: Assessment) -> Sheet:
     """Return an assessment; its text is that of the command."""

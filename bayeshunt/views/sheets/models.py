@@ -26,6 +26,8 @@ from bayeshunt.views.sheets.panels import panels
 from bayeshunt.views.sheets.sheet import Bars, Drawn, Note, Opening, Part, Printed, Sheet, Table
 from bayeshunt.views.sheets.tables import heat_table
 
+__all__ = ["bars", "forward_model", "inverse_model", "posterior", "spark"]
+
 #: What the columns of an explanation are compared with.
 _EXPLAINED = (
     "How each variable speaks for or against a gait: natural logarithm of its probability under this gait "

@@ -18,6 +18,8 @@ from bayeshunt.views.sheets.models import bars
 from bayeshunt.views.sheets.sheet import Drawn, Note, Part, Printed, Sheet, Table
 from bayeshunt.views.terminal.text_tables import clean
 
+__all__ = ["MOST_CHILDREN", "MOST_NODES", "alternatives", "episode", "frame_table", "plan", "tree", "value_column"]
+
 #: At most so many children of a node and so many nodes of a tree are shown.
 MOST_CHILDREN = 12
 MOST_NODES = 1500

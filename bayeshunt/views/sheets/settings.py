@@ -17,6 +17,8 @@ from bayeshunt.planners.catalogue import summarise
 from bayeshunt.views.sheets.sheet import Sheet, Table
 from bayeshunt.views.terminal.text_tables import clean
 
+__all__ = ["experiment", "gaits", "planner", "robot"]
+
 
 def robot(shown: RobotSettings) -> Sheet:
     """Return a robot: its body, its noise, and a row per gait."""

@@ -18,6 +18,8 @@ from bayeshunt.views.sheets.panels import cell_panel
 from bayeshunt.views.sheets.sheet import Drawn, Part, Printed, Sheet, Table
 from bayeshunt.views.terminal.text_tables import clean
 
+__all__ = ["MOST_ROWS", "heat_table", "probability_table"]
+
 #: Of a longer table only the likeliest bins are shown.
 MOST_ROWS = 200
 #: A table of no more bins is seen at once, without strips above it.

@@ -15,6 +15,8 @@ from bayeshunt.models.tables.structures import PREVIOUS
 from bayeshunt.views.terminal import terminal
 from bayeshunt.views.terminal.text_tables import TextTable, string_console, word
 
+__all__ = ["assessment_tables", "assessment_text"]
+
 
 def assessment_text(assessment: Assessment) -> str:
     """Return what :func:`assessment_tables` prints, without colours, at most 100 columns wide."""

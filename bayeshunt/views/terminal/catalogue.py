@@ -11,6 +11,8 @@ from rich.text import Text
 from bayeshunt.views.terminal.terminal import out
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
 
+__all__ = ["names_table", "planner_page", "planners_table"]
+
 _WIDTH = 100  # columns of running text, at most
 _SOME = 16  # and at least
 

@@ -24,6 +24,23 @@ from bayeshunt.core.units import bounds, degrees, length, objective
 from bayeshunt.views import reported
 from bayeshunt.views.terminal.text_tables import TextTable, folding, toml_text, word
 
+__all__ = [
+    "episode_table",
+    "explanation_table",
+    "messages",
+    "out",
+    "posterior_bars",
+    "progress_bar",
+    "remark",
+    "routes_table",
+    "say",
+    "settings_table",
+    "status_table",
+    "success_table",
+    "sweep_table",
+    "tradeoff_table",
+]
+
 out = Console(highlight=False, markup=False)  # units stand in square brackets
 messages = Console(stderr=True, highlight=False, markup=False)
 

@@ -18,6 +18,19 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+__all__ = [
+    "Column",
+    "TextTable",
+    "align",
+    "clean",
+    "folding",
+    "number",
+    "printable",
+    "string_console",
+    "toml_text",
+    "word",
+]
+
 #: The rule below the head for terminals that have no lines to draw with.
 _PLAIN_HEAD = box.Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)
 _LONGEST = 24  # characters of a word that no column cuts

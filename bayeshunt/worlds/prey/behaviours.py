@@ -20,6 +20,25 @@ from bayeshunt.worlds.noise import gaussians
 from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, Solid, proximity
 from bayeshunt.worlds.scene import Scene
 
+__all__ = [
+    "BRAITENBERG",
+    "MAX_UNITS",
+    "Alone",
+    "Braitenberg",
+    "Checked",
+    "Context",
+    "Evader",
+    "Prey",
+    "RandomWalk",
+    "Straight",
+    "behaviours",
+    "build_prey",
+    "check_behaviour",
+    "prey_names",
+    "register_prey",
+    "registered_prey",
+]
+
 #: Braitenberg weights of the eight sensors on (left, right) wheel: Webots' Khepera controller.
 BRAITENBERG = ((-2, 4), (-3, 5), (-7, 7), (7, -6), (5, -4), (4, -2), (-0.5, -0.5), (-0.5, -0.5))
 #: Wheel speed units that the controller may ask for.

@@ -12,6 +12,18 @@ from typing import NamedTuple
 
 from bayeshunt.config.schema import ObstacleSettings
 
+__all__ = [
+    "KHEPERA_DIAMETER",
+    "KHEPERA_SENSORS",
+    "MAX_VALUE",
+    "MOUNT_RADIUS",
+    "Solid",
+    "distance_to_disc",
+    "distance_to_walls",
+    "proximity",
+    "rays",
+]
+
 #: Sensor positions [m] (x right, y forward of the centre) and directions [degrees counter-clockwise from x].
 KHEPERA_SENSORS = (
     (-0.0245, 0.012, 175.0),

@@ -19,7 +19,7 @@ from bayeshunt.worlds.box2d.world import Box2DWorld
 from bayeshunt.worlds.recorded.path import RecordedPath, path_of
 from bayeshunt.worlds.scene import HUNTER, Scene
 
-__all__ = ["RecordedWorld"]
+__all__ = ["Led", "RecordedWorld"]
 
 
 class Led(Drive):
