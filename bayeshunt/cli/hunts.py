@@ -85,16 +85,8 @@ def hunt(
         _write_replay(episode, replay, forward, model, babbling_seed)
     filmed = None if video is None else write_film(episode, video)
     if as_json:
-        facts = {
-            "experiment": settings.name,
-            "caught": episode.caught,
-            "time": episode.time,
-            "decisions": len(episode.frame),
-            "gaits": episode.frame["gait"].tolist(),
-            **{name: episode.provenance[name] for name in ("energy", "changes", "falls") if episode.spent},
-        }
         files = {"out": out, "replay": replay, **({"video": video} if video else {})}
-        typer.echo(json.dumps({**facts, **{k: None if path is None else str(path) for k, path in files.items()}}))
+        typer.echo(json.dumps(_facts(settings, episode, files)))
         return
     if settings.scaled:
         terminal.remark(settings.scaled)
@@ -108,6 +100,16 @@ def hunt(
         terminal.say(f"{replay}: open it in a browser to play the hunt")
     if filmed is not None:
         terminal.say(filmed)
+
+
+def _facts(settings: Any, episode: Any, files: dict[str, Path | None]) -> dict[str, Any]:
+    """How a hunt went and where it was written, as --json says it."""
+    spent = {name: episode.provenance[name] for name in ("energy", "changes", "falls") if episode.spent}
+    return {
+        "experiment": settings.name, "caught": episode.caught, "time": episode.time, "decisions": len(episode.frame),
+        "gaits": episode.frame["gait"].tolist(), **spent,
+        **{name: None if path is None else str(path) for name, path in files.items()},
+    }  # fmt: skip
 
 
 def _of_the_prey(prey: str | None, model: str | None) -> list[str]:

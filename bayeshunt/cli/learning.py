@@ -124,9 +124,7 @@ def fit(
     bayeshunt fit log.csv --time-step 1 --gaits 25 --out model.json
     """
     from bayeshunt.config.loading import recorded_gaits
-    from bayeshunt.core.bins import EFFECTS, EffectAxes
-    from bayeshunt.models.body.forward import ForwardModel
-    from bayeshunt.models.counting.streaming import count_tables, rows_of
+    from bayeshunt.core.bins import EffectAxes
     from bayeshunt.models.tables.structures import Structure
     from bayeshunt.views.terminal import terminal
 
@@ -142,16 +140,10 @@ def fit(
     )
     rows = sum(table.rows for table in tables)
     edges = Structure.read(structure) if "->" in structure else structure
-    how: dict[str, Any] = {"gait_prior": gait_prior, "structure": edges, "backoff": asked_backoff(backoff)}
+    how = {"prior": prior, "gait_prior": gait_prior, "structure": edges, "backoff": asked_backoff(backoff)}
+    nodes = [name.strip() for name in effects.split(",") if name.strip()]
     with terminal.progress_bar("counting", rows, quiet=quiet or as_json) as advance:
-        nodes = [name.strip() for name in effects.split(",") if name.strip()]
-        if residual_of is not None or auto_bins or nodes != [*EFFECTS]:  # the rows choose the motion and the bins first
-            frame, provenance = rows_of(tables, repertoire, advance)
-            how |= {"axes": "auto" if auto_bins else axes, "residual_of": residual_of, "effects": nodes}
-            model = ForwardModel.over(ForwardModel.fit(frame, repertoire, prior, **how).source, provenance)
-        else:
-            seen, provenance = count_tables(tables, repertoire, axes=axes, structure=edges, progress=advance)
-            model = ForwardModel.from_counts(seen, prior, **how, provenance=provenance)
+        model = _fitted(tables, repertoire, axes, how, residual_of, nodes, auto_bins, advance)
     counts = model.source.counted
     model.save(out)
     if xmlbif is not None:
@@ -171,6 +163,25 @@ def fit(
         as_json,
         f"{out}: {counted}, {beside}bins {bins}, log-likelihood {facts['log_likelihood']:.1f}{following}",
     )
+
+
+def _fitted(
+    tables: list[Any], gaits: Any, axes: Any, how: dict[str, Any], residual_of: str | None, nodes: list[str],
+    auto_bins: bool, progress: Any,
+) -> Any:  # fmt: skip
+    """Return the model of tables: counted batch by batch, or in memory where the rows choose motion or bins first."""
+    from bayeshunt.core.bins import EFFECTS
+    from bayeshunt.models.body.forward import ForwardModel
+    from bayeshunt.models.counting.streaming import count_tables, rows_of
+
+    if residual_of is None and not auto_bins and nodes == [*EFFECTS]:
+        seen, provenance = count_tables(tables, gaits, axes=axes, structure=how["structure"], progress=progress)
+        return ForwardModel.from_counts(seen, **how, provenance=provenance)
+    frame, provenance = rows_of(tables, gaits, progress)
+    fitted = ForwardModel.fit(
+        frame, gaits, **how, axes="auto" if auto_bins else axes, residual_of=residual_of, effects=nodes
+    )
+    return ForwardModel.over(fitted.source, provenance)
 
 
 def opened(data: list[Path], asked: Any, robot: str | None) -> tuple[list[Any], list[str]]:
