@@ -11,7 +11,7 @@ from bayeshunt.core.units import label, true_minus
 from bayeshunt.models.inference.network import Network
 from bayeshunt.views.pages.page import embed, render
 
-__all__ = ["SCRIPTS", "network_data", "network_html"]
+__all__ = ["SCRIPTS", "described", "network_data", "network_html"]
 
 #: The instrument, for a page and for a widget.
 SCRIPTS = ("dom.js", "network_engine.js", "network_draws.js", "network_certainty.js", "network.js")
