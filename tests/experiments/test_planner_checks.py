@@ -118,7 +118,7 @@ def test_a_planner_without_its_file_is_refused_first(entry, name, no_work):
 
 @pytest.mark.parametrize("entry", [bh.evaluate, bh.sweep, bh.tradeoff])
 def test_one_planner_and_one_arena_may_be_given_as_text(entry, no_work):
-    with pytest.raises(bh.InputError, match="unknown planner 'reactiv': expected one of reactive"):
+    with pytest.raises(bh.InputError, match=r"unknown planner 'reactiv'; did you mean 'reactive'\?"):
         entry("paper", planners="reactiv")
     with pytest.raises(bh.InputError, match=r"^planners: expected a name or a list of names, got 3$"):
         entry("paper", planners=3)
