@@ -62,6 +62,12 @@ def test_no_address_stands_in_the_metadata():
     assert not re.search(r"https?://", str({key: value for key, value in PROJECT.items() if key != "readme"}))
 
 
+def test_the_licence_of_everything_in_the_wheel_is_named():
+    assert PROJECT["license"] == "MIT AND BSD-3-Clause"
+    for path, kind in zip(PROJECT["license-files"], ("MIT License", "Neither the name of"), strict=True):
+        assert kind in (ROOT / path).read_text(encoding="utf-8"), path
+
+
 def test_every_recording_that_ships_has_its_licence():
     said = (ROOT / "data" / "README.md").read_text(encoding="utf-8")
     for path in (ROOT / "data").iterdir():
