@@ -74,11 +74,21 @@ class _Page(HTMLParser):
 def site(tmp_path_factory):
     """The site, its notebooks not run."""
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     environment = {**os.environ, "BAYESHUNT_GALLERY": "sources", "NO_MKDOCS_2_WARNING": "1"}
     ran = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr[-3000:]
+    assert "WARNING" not in ran.stderr
     return folder
+
+
+def test_a_warning_of_the_build_is_an_error():
+    """mkdocs counts warnings by its logger, which --quiet silences: then --strict lets all of them pass."""
+    lines = [line.partition("#")[0] for line in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()]
+    (build,) = [line for line in lines if "mkdocs build" in line]
+    assert "--strict" in build
+    assert "quiet" not in build
+    assert " -q" not in build
 
 
 @pytest.mark.slow
