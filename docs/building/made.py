@@ -115,7 +115,7 @@ def command_section(name: str, command: Any) -> str:
             lines = " ".join(paragraph.partition(":")[2].split()).split("; ")
             parts.append("```sh\n" + "\n".join(line.strip() for line in lines) + "\n```")
         else:
-            parts.append(" ".join(paragraph.split()).replace("|", "\\|"))
+            parts.append(escaped(paragraph).replace("[", "\\["))  # brackets of what may be left out are no links
     rows = [row for row in map(option_row, command.params) if row]
     return "\n\n".join([*parts, "\n".join(["| option | meaning |", "| --- | --- |", *rows])])
 

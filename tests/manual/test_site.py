@@ -1,6 +1,7 @@
 """The manual's site: everything public stands on it, nothing on it is dead, and it needs no network."""
 
 import os
+import re
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -28,6 +29,7 @@ def test_every_public_name_is_in_the_reference():
 
 def test_every_command_and_option_is_in_the_reference(bayeshunt):
     page = made.commands_page()
+    assert not re.search(r"(?<!\\)\[[^\]]*\] ?\[", page), "two brackets in a row would be a link"
     for name, command in made.commands():
         assert f"## {name} {{" in page, name
         section = page.split(f"## {name} {{")[1].split("\n## ")[0]
