@@ -109,7 +109,7 @@ def locusts() -> Figures:
     for name, learned in kinds.items():
         rows = bh.transitions(learned, 0.6)
         models[name] = bh.PreyModel.fit(rows, given="speed", residual_of="constant_velocity")
-    found = bh.score_prey(tracks[last], models, time_step=0.6, split="time", most=MOST)
+    found = bh.score_prey(tracks[last], models, time_step=0.6, split="time", most=max(MOST, len(tracks)))
     for name in ("ade", "fde", "ade_low", "ade_high", "fde_low", "fde_high"):
         found[name] *= 100
     return _errors("locust, 0.6 s", found, {"ade": 2.75}, "cm", scores=("ade",))

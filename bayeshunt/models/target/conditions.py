@@ -12,7 +12,7 @@ from bayeshunt.core.bins import Axis, EffectAxes
 from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError, did_you_mean, shown
 from bayeshunt.core.geometry import FloatArray
-from bayeshunt.data.transitions import STANDING_SHARE, motion_frame, windows_of
+from bayeshunt.data.transitions import STANDING_SHARE, motion_frame, window_columns, windows_of
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.base_motion import BASES
 from bayeshunt.models.target.paths import forward_facing, paths_of
@@ -81,6 +81,16 @@ class Conditions:
             return cell_codes(self.speed.axes, distance, *motion_frame(frame, STANDING_SHARE * self.scale))
         return cell_codes(self.speed.axes, distance, *(frame[n].to_numpy(dtype=float) for n in ("angle", "heading")))
 
+    def kinds(self, frame: pd.DataFrame) -> np.ndarray:
+        """Return the class [N] of the step before each transition in the table by speed; any where it is not known."""
+        assert self.speed is not None
+        before = frame["speed"].to_numpy(dtype=float) * self.time_step
+        names = window_columns(windows_of(frame.columns)[0], 0)
+        past = frame[names].to_numpy(dtype=float).reshape(len(frame), -1, 2)
+        earlier = np.hypot(*np.moveaxis(np.diff(past, axis=1), 2, 0))[:, ::-1]
+        steps = np.column_stack([earlier, before])
+        return self.speed.classes(np.nan_to_num(before), self.speed.stood(steps))
+
     @property
     def is_empty(self) -> bool:
         """True while neither table has counted anything."""
@@ -95,9 +105,8 @@ class Conditions:
                 f"transitions: time_step is {_only(frame, 'time_step'):g} s; this model's is {self.time_step:g} s"
             )
         if self.speed is not None:
-            before = frame["speed"].to_numpy(dtype=float) * self.time_step
-            told = np.isfinite(before)
-            self.speed.add(before[told], self.codes(frame)[told])
+            told = np.isfinite(frame["speed"].to_numpy(dtype=float))
+            self.speed.add(self.kinds(frame)[told], self.codes(frame)[told])
         if self.residual is not None:
             paths = paths_of(frame, self.residual.seen, self.residual.steps)
             self.residual.add(forward_facing(paths, self.residual.seen, self.scale)[0])
@@ -120,18 +129,21 @@ class Conditions:
             facing = direction
             if headings is not None and not self.by_motion:
                 facing = np.where(np.isfinite(headings), np.exp(1j * headings), direction)
-            before = np.abs(seen[:, -1] - seen[:, -2])
-            out[:, from_speed] = self._stepwise(before, n - whole, steps, rng) * facing[:, None, None]
+            ahead = self._stepwise(np.abs(np.diff(seen, axis=1)), n - whole, steps, rng)
+            out[:, from_speed] = ahead * facing[:, None, None]
         return out + seen[:, -1][:, None, None]
 
     def _stepwise(self, before: FloatArray, n: int, steps: int, rng: np.random.Generator) -> FloatArray:
-        """Complex [N, n, steps] drawn step by step, each given the speed before; the present faces forward."""
-        if self.speed is None:
+        """Complex [N, n, steps] drawn step by step, given steps ``before`` [N, T] (m); the present faces forward."""
+        table = self.speed
+        if table is None:
             raise InputError("this model has no transitions by speed: fit it with given='speed' for as many steps")
-        speed, place = np.repeat(before, n), np.zeros(len(before) * n, dtype=complex)
-        facing, out = np.ones(len(place), dtype=complex), np.empty((len(place), steps), dtype=complex)
+        speed, stood = np.repeat(before[:, -1], n), np.repeat(table.stood(before), n)
+        place, facing = np.zeros(len(speed), dtype=complex), np.ones(len(speed), dtype=complex)
+        out = np.empty((len(place), steps), dtype=complex)
         for step in range(steps):
-            speed, angle, heading = self.speed.draw(speed, rng=rng)
+            speed, angle, heading = table.draw(table.classes(speed, stood), rng=rng)
+            stood = np.where(table.stood(speed[:, None]) > 0, stood + 1, 0)
             place = place + speed * np.exp(-1j * angle) * facing
             facing = facing * np.exp(-1j * heading)
             out[:, step] = place

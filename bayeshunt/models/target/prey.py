@@ -165,9 +165,9 @@ class PreyModel(displays.Displayed, StoredPrey):
         at = np.searchsorted(known, codes).clip(max=len(known) - 1)
         seen = np.where(known[at] == codes, counts[at] / self.observations, 0.0)
         if self.conditions is not None and self.conditions.speed is not None:
-            before = transitions["speed"].to_numpy(dtype=float) * self.conditions.time_step
-            told = np.isfinite(before)
-            seen[told] = self.conditions.speed.probabilities(before[told], self.conditions.codes(transitions)[told])
+            told = np.isfinite(transitions["speed"].to_numpy(dtype=float))
+            kinds, cells_of = self.conditions.kinds(transitions), self.conditions.codes(transitions)
+            seen[told] = self.conditions.speed.probabilities(kinds[told], cells_of[told])
         far = max(int(cells[:, 0].max()) + 1, self.axes.distance.bins)
         spread = 1.0 / (far * self.axes.angle.bins * self.axes.heading.bins)
         return float(np.log((seen * self.observations + spread) / (self.observations + 1.0)).sum())

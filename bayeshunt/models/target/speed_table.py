@@ -1,5 +1,8 @@
 """Transitions given the prey's own speed: counts by class of the step before, backed off to like speeds.
 
+Who hardly moves, in the slowest class, is counted by for how many steps he has: a pause of a walker that goes on as he
+went, or a rest whose end tells no direction.
+
 Letters: C classes, N[c] counts of class c, s the smoothed counts of its neighbours, w the back-off weight. The table
 of a class is the Dirichlet mean ``(N[c] + w m) / (n_c + w)`` under the mean
 ``m = (s + w p) / (n_s + w)`` of the classes beside it (each less by a Gaussian of one class), itself backed off to
@@ -23,6 +26,11 @@ __all__ = ["BACKOFF", "CLASSES", "UNIT", "SpeedTable", "cell_codes"]
 CLASSES = 40
 #: Distance bins of one class.
 _BINS = 3
+#: Steps on end in the slowest class from which it is another one: 1 (class 0), 2, 3, 4 or 5, 6 or more.
+_STOOD = np.array([2, 3, 4, 6])
+_KINDS = CLASSES + len(_STOOD)
+#: Where a class stands beside the others, in classes of speed: those of the slowest are half a class apart.
+_PLACES = np.concatenate([np.arange(CLASSES), -0.5 * np.arange(1, len(_STOOD) + 1)])
 #: Weight [transitions] of the like speeds in a class.
 BACKOFF = 25.0
 #: Counts are whole numbers of 2**-16, so that weighted transitions add up exactly in any order.
@@ -41,7 +49,7 @@ def cell_codes(axes: EffectAxes, distance: Any, angle: Any, heading: Any) -> np.
 class SpeedTable:
     """Counts of transitions by class of the own speed; changes in place, by addition only.
 
-    axes: bins. A class is three distance bins of the step before wide.
+    axes: bins. A class is three distance bins of the step before wide; the slowest is split by how long it has lasted.
     """
 
     def __init__(self, axes: EffectAxes, backoff: float = BACKOFF) -> None:
@@ -49,15 +57,20 @@ class SpeedTable:
         self.counts: dict[tuple[int, int], int] = {}  # (class, cell code) -> weight in units of 2**-16
         self._drawn: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
 
-    def classes(self, before: Any) -> np.ndarray:
-        """Return the class [N] of steps of ``before`` [m]."""
-        return np.minimum(np.asarray(before, dtype=float) / (_BINS * self.axes.distance.width), CLASSES - 1).astype(
-            np.int64
-        )
+    def classes(self, before: Any, stood: Any) -> np.ndarray:
+        """Return the class [N] of steps of ``before`` [m] that were the last of ``stood`` slowest ones on end [N]."""
+        far = np.minimum(np.asarray(before, dtype=float) / (_BINS * self.axes.distance.width), CLASSES - 1)
+        split = np.searchsorted(_STOOD, stood, side="right")
+        return np.where((far < 1) & (split > 0), CLASSES - 1 + split, far.astype(np.int64))
 
-    def add(self, before: FloatArray, codes: np.ndarray, weight: int = UNIT) -> None:
-        """Count transitions into cells ``codes`` [N] after steps of ``before`` [N] metres."""
-        both = np.stack([self.classes(before), codes], axis=1)
+    def stood(self, steps: FloatArray) -> np.ndarray:
+        """Return how many of the last steps on end [N], of steps [N, T] (metres), are of the slowest class."""
+        slow = steps[:, ::-1] < _BINS * self.axes.distance.width  # False where nothing is known
+        return np.cumprod(slow, axis=1, dtype=np.int64).sum(axis=1)
+
+    def add(self, kinds: np.ndarray, codes: np.ndarray, weight: int = UNIT) -> None:
+        """Count transitions into cells ``codes`` [N] after steps of the classes ``kinds`` [N]."""
+        both = np.stack([kinds, codes], axis=1)
         pairs, times = np.unique(both, axis=0, return_counts=True)
         for (kind, code), count in zip(pairs.tolist(), times.tolist(), strict=True):
             self.counts[kind, code] = self.counts.get((kind, code), 0) + count * weight
@@ -80,45 +93,43 @@ class SpeedTable:
         top = MAX_DISTANCE_BINS * axes.angle.bins * axes.heading.bins
         for kind, code, weight in record["counts"]:
             whole = all(isinstance(v, int) and not isinstance(v, bool) for v in (kind, code, weight))
-            if not (whole and 0 <= kind < CLASSES and 0 <= code < top and weight > 0):
+            if not (whole and 0 <= kind < _KINDS and 0 <= code < top and weight > 0):
                 raise ValueError(f"count row {[kind, code, weight]}")
             table.counts[kind, code] = weight
         return table
 
     def mixing(self) -> FloatArray:
         """Return A [C, C]: the share of each class's own table in the table given a class; rows sum to 1."""
-        totals = np.zeros(CLASSES)
+        totals = np.zeros(_KINDS)
         for (kind, _), count in self.counts.items():
             totals[kind] += count
         totals /= UNIT
-        everyone = np.broadcast_to(totals / totals.sum(), (CLASSES, CLASSES))
-        number = np.arange(CLASSES)
-        near = np.exp(-0.5 * (number[:, None] - number) ** 2) * totals
+        everyone = np.broadcast_to(totals / totals.sum(), (_KINDS, _KINDS))
+        near = np.exp(-0.5 * (_PLACES[:, None] - _PLACES) ** 2) * totals
         near = (near + self.backoff * everyone) / (near.sum(axis=1, keepdims=True) + self.backoff)
         return np.asarray((np.diag(totals) + self.backoff * near) / (totals[:, None] + self.backoff))
 
-    def probabilities(self, before: FloatArray, codes: np.ndarray) -> FloatArray:
-        """Return P(cell | class) [N]; 0 where no class has seen the cell."""
+    def probabilities(self, mine: np.ndarray, codes: np.ndarray) -> FloatArray:
+        """Return P(cell | class) [N] of cells ``codes`` after classes ``mine``; 0 where no class has seen the cell."""
         mix, kinds, cells, ends = self._ready()
         counts = np.diff(ends, prepend=0)
-        totals = np.bincount(kinds, weights=counts, minlength=CLASSES)
+        totals = np.bincount(kinds, weights=counts, minlength=_KINDS)
         order = np.lexsort((kinds, cells))
         by_cell, share = cells[order], (counts / totals[kinds])[order]
         first, last = np.searchsorted(by_cell, codes), np.searchsorted(by_cell, codes, side="right")
-        mine, found = self.classes(before), np.zeros(len(codes))
+        found = np.zeros(len(codes))
         for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
             found[i] = share[a:b] @ mix[mine[i], kinds[order[a:b]]]
         return found
 
-    def draw(self, before: FloatArray, *, rng: np.random.Generator) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return one transition for each step of ``before`` [N]: distance [m], angle and heading [rad], in its bin."""
+    def draw(self, mine: np.ndarray, *, rng: np.random.Generator) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return one transition after each class of ``mine`` [N]: distance [m], angle and heading [rad], in its bin."""
         mix, kinds, cells, ends = self._ready()
-        mine = self.classes(before)
         uniform = rng.random((4, len(mine)))
         reach = np.cumsum(mix, axis=1)
         source = (uniform[0][:, None] * reach[mine, -1:] > reach[mine]).sum(axis=1)
-        bounds = np.concatenate([[0], ends[np.searchsorted(kinds, np.arange(CLASSES), side="right") - 1]])
-        bounds[1:][np.searchsorted(kinds, np.arange(CLASSES), side="right") == 0] = 0
+        bounds = np.concatenate([[0], ends[np.searchsorted(kinds, np.arange(_KINDS), side="right") - 1]])
+        bounds[1:][np.searchsorted(kinds, np.arange(_KINDS), side="right") == 0] = 0
         low, high = bounds[source], bounds[source + 1]
         at = low + np.floor(uniform[1] * (high - low)).astype(np.int64)
         code = cells[np.searchsorted(ends, at, side="right")]
