@@ -242,18 +242,28 @@ def _length_unit(table: Any) -> str:
 def _said(facts: dict[str, Any], records: list[dict[str, Any]]) -> str:
     unit, out = facts["unit"], shlex.quote(facts["out"])
     step = length(facts["median_step"]) if unit == "m" else f"{facts['median_step']:.3g} {unit}"
-    lines = [f"{r['file']}: read as {r['reader']}; " + "; ".join(r["notes"]) + _claimed(r) for r in records]
-    lines += [f"{r['file']}: left out {n} rows: {why}" for r in records for why, n in r["dropped"].items()]
+    said: dict[str, list[str]] = {}
+    for r in records:
+        said.setdefault(f"read as {r['reader']}; " + "; ".join(r["notes"]) + _claimed(r), []).append(r["file"])
+        for why, n in r["dropped"].items():
+            said.setdefault(f"left out {n} rows: {why}", []).append(r["file"])
+    lines = [f"{_together(named)}: {what}" for what, named in said.items()]
     smooth = "smoothed" if facts["smoothed"] else "not smoothed"
     lines += [
         f"{facts['out']}: {facts['rows']} rows of {facts['ids']} individuals, {facts['gaps']} gaps, "
         f"{facts['time_step']:.4g} s from row to row",
         f"standing {100 * facts['standing']:.0f} % of the steps; median step of the others "
         f"{step}; the tracks look {smooth} (roughness {facts['roughness']:.2f})",
-        f"suggested: a time-step of {facts['suggested_time_step']:g} s, steps of five times the jitter or more",
+        f"time-step: {facts['suggested_time_step']:g} s or more, so that a step is five times the jitter; with twelve "
+        "steps, a twelfth of the time to be foreseen",
         f"next: bayeshunt prey fit {out} --time-step {facts['suggested_time_step']:g} --out prey.json",
     ]
     return "\n".join(lines)
+
+
+def _together(files: list[str]) -> str:
+    """Names of files of which the same is said."""
+    return ", ".join(files) if len(files) < 3 else f"{files[0]} and {len(files) - 1} more, to {files[-1]}"
 
 
 def _claimed(record: dict[str, Any]) -> str:

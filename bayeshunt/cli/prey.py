@@ -65,7 +65,8 @@ def fit_prey(
     from bayeshunt.data.transitions import transitions
     from bayeshunt.models.target.prey import PreyModel
 
-    rows = transitions(_tracks(files), time_step, standing, seen=seen, steps=steps)
+    frame = _tracks(files)
+    rows = transitions(frame, time_step, standing, seen=seen, steps=steps)
     model = PreyModel.fit(rows, _or_none(given), _or_none(residual_of))
     model.save(out)
     step = float(rows["time_step"].iloc[0])
@@ -73,9 +74,31 @@ def fit_prey(
         "out": str(out), "transitions": model.observations, "time_step": step, "cells": len(model.counts),
         "given": _or_none(given), "residual_of": _or_none(residual_of),
     }  # fmt: skip
-    following = f"bayeshunt prey score {shlex.quote(str(out))} --on OTHER.parquet"
-    counted = f"{out}: {model.observations} transitions of {step:g} s in {facts['cells']} cells"
-    tell(facts, as_json, f"{counted}; they overlap where rows are closer than that\nnext: {following}")
+    tell(facts, as_json, "\n".join([_counted(facts, frame), *_next_of(files, out, step, frame)]))
+
+
+def _counted(facts: dict[str, Any], frame: Any) -> str:
+    """What was counted, and why there may be more transitions than steps."""
+    from bayeshunt.data.steps import native_step
+
+    native, step = native_step(frame), facts["time_step"]
+    lines = f"{facts['out']}: {facts['transitions']} transitions of {step:g} s in {facts['cells']} cells, " \
+            f"from {len(frame)} rows"  # fmt: skip
+    if step > 1.5 * native:
+        lines += f" {native:.3g} s apart: each row starts one, so they overlap"
+    if facts["transitions"] > len(frame):
+        lines += "; rows missing for up to a time-step were filled in on a straight line"
+    return lines
+
+
+def _next_of(files: list[Path], out: Path, step: float, frame: Any) -> list[str]:
+    """How good it is: on these tracks, parts held out; on others, as it is."""
+    on = " ".join(f"--on {shlex.quote(str(path))}" for path in files)
+    split = "" if frame["id"].nunique() > 1 else " --split time"
+    return [
+        f"next: bayeshunt prey score {on} --time-step {step:g}{split}   (parts held out in turn)",
+        f"or, with recordings that it has not counted: bayeshunt prey score {shlex.quote(str(out))} --on THOSE.parquet",
+    ]
 
 
 @prey.command("score", short_help="Score a prey model on other tracks, beside baselines.")
@@ -92,6 +115,7 @@ def score(
     out: Annotated[Path | None, out_file("Write the table as CSV.", "tables of scores", ".csv")] = None,
     figure: Annotated[Path | None, out_figure("Draw it: a .png or .svg file.")] = None,
     as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Score forecasts: error, best of 20, energy, density and coverage, beside standing still and constant velocity.
 
@@ -100,6 +124,7 @@ def score(
     from bayeshunt.files.atomic import write_text
     from bayeshunt.models.assessment.prey_scores import score_prey
     from bayeshunt.models.target.prey import PreyModel
+    from bayeshunt.views.terminal import terminal
     from bayeshunt.views.terminal.scores import scores_table
 
     if not on:
@@ -111,7 +136,10 @@ def score(
         time_step = time_step if time_step is not None else step
         models = {"stands": "stands", "constant_velocity": "constant_velocity", str(model): fitted}
     frame = _tracks(on)
-    table = score_prey(frame, models, seen, steps, time_step, split, seed)
+    if not (quiet or as_json):
+        terminal.say(f"scoring forecasts of {steps} steps on {len(frame)} rows; this may take a minute")
+    with terminal.progress_bar("scoring", None, quiet=quiet or as_json):
+        table = score_prey(frame, models, seen, steps, time_step, split, seed)
     if out is not None:
         write_text(out, table.to_csv(index=False))
     unit = "m" if "unit" not in frame or frame["unit"].isna().all() else str(frame["unit"].dropna().iloc[0])

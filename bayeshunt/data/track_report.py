@@ -22,8 +22,9 @@ class TrackReport(NamedTuple):
     time_step: seconds from row to row. standing: share of steps below a tenth of the median one.
     median_step: of those that move. roughness: mean change of acceleration over mean change of speed: near 2 in
         tracks with independent errors, below 0.7 in tracks that were smoothed. smoothed: whether it is below.
-    suggested_time_step: seconds: steps of at least five times the jitter. suggested_bin: of Distance, a tenth of such a
-        step, but not finer than the jitter of a place. suggested_turns: bins of Angle and Heading.
+    suggested_time_step: seconds: the shortest whose steps are five times the jitter or more.
+    suggested_bin: of Distance, a tenth of such a step, but not finer than the jitter of a place.
+    suggested_turns: bins of Angle and Heading.
     """
 
     ids: int
@@ -38,6 +39,10 @@ class TrackReport(NamedTuple):
     suggested_time_step: float
     suggested_bin: float
     suggested_turns: int
+
+    def __str__(self) -> str:
+        """A fact a line, numbers to four digits."""
+        return "\n".join(f"{name}: {f'{v:.4g}' if isinstance(v, float) else v}" for name, v in self._asdict().items())
 
 
 @checked

@@ -239,8 +239,8 @@ def _times(
     claimed = claims.get("rate", claims.get("fps"))
     if rate is None:
         if "time" not in frame or not np.isfinite(frame["time"].to_numpy()).all():
-            said = f"; the file says {float(claimed):g} per second" if claimed else ""
-            raise InputError(f"{source}: rate is not given (rows per second){said}; real files lie, so say it: "
+            said = f"; the file says {float(claimed):g} per second, which is not always the camera's" if claimed else ""
+            raise InputError(f"{source}: rate is not given (rows per second){said}: "
                              "rate= (--rate); or, if a column holds seconds, name it: columns={'time': ...} "
                              "(--columns time=NAME)")  # fmt: skip
         return frame["time"].to_numpy(), ["time as the file has it, in seconds"]

@@ -167,3 +167,23 @@ def test_many_transitions_in_bounded_memory(rows: pd.DataFrame) -> None:
         model.update(many)
     assert model.observations > 950_000
     assert (len(model.conditions.speed.counts), sum(map(len, model.conditions.residual.kept.values()))) == stored
+
+
+def test_a_pause_is_not_a_rest() -> None:
+    """Who stands for one step goes on as he went; who has stood for six turns back: one class would mix both."""
+    there = [1.0] * 5 + [0.0] + [1.0] * 5 + [0.0] * 6
+    places = np.cumsum([step * (-1) ** number for number in range(60) for step in there])
+    tracks = pd.DataFrame({"id": 0, "time": np.arange(len(places)) * 0.4, "x": places, "y": 0.0})
+    model = bh.PreyModel.fit(bh.transitions(tracks), given="speed")
+    paused, rested = [-7, -6, -5, -4, -3, -2, -1, 0, 0], [-2, -1, 0, 0, 0, 0, 0, 0, 0]
+    ahead = model.futures(np.array([paused, rested]) + 0j, 1, 400, rng=np.random.default_rng(0))[:, :, 0].real
+    assert (ahead[0] > 0.5).mean() > 0.3  # half of the first steps of standing end there
+    assert (ahead[0] < -0.5).mean() < 0.05
+    assert (ahead[1] < -0.5).mean() > 0.7
+
+
+def test_classes_of_standing_by_how_long() -> None:
+    table = bh.PreyModel.fit(bh.transitions(walkers(3, 30, 2), seen=4, steps=5), given="speed").conditions.speed
+    width = 3 * table.axes.distance.width
+    assert table.classes([0, 0, 0, 0, 0, 1.5 * width], [1, 2, 3, 5, 9, 0]).tolist() == [0, 40, 41, 42, 43, 1]
+    assert table.stood(np.array([[0, 0, 0], [width, 0, 0], [0, np.nan, 0], [0, 0, 2 * width]])).tolist() == [3, 2, 1, 0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from functools import partial
 from typing import Any
 
@@ -22,6 +23,9 @@ from bayeshunt.views.sheets.tables import MOST_ROWS
 
 __all__ = ["expected", "prey_map", "prey_model", "prey_table"]
 
+#: Rows of the table in text.
+_PRINTED = 12
+
 
 def prey_model(prey: PreyModel) -> Sheet:
     """Return the prey table: each transition seen, how often, and where it leads."""
@@ -31,9 +35,8 @@ def prey_model(prey: PreyModel) -> Sheet:
         return Sheet(title, subtitle, (), [Note("Nothing observed yet, so nothing can be predicted.")])
     cells = prey_table(prey)
     opening = Opening(partial(_panels, prey, title), cells)
-    return Sheet(
-        title, subtitle, expected(prey), [Drawn(lambda: prey_map(prey), opening, beside=True), Printed(cells.lines)]
-    )
+    facts = [*expected(prey), *_conditions(prey)]
+    return Sheet(title, subtitle, facts, [Drawn(lambda: prey_map(prey), opening, beside=True), Printed(cells.lines)])
 
 
 def expected(prey: PreyModel) -> list[tuple[str, str]]:
@@ -47,6 +50,25 @@ def expected(prey: PreyModel) -> list[tuple[str, str]]:
         ("expected angle", f"{degrees(mean.angle, 1)} clockwise"),
         ("expected heading", f"{degrees(mean.heading, 1)} clockwise"),
     ]
+
+
+def _conditions(prey: PreyModel) -> list[tuple[str, str]]:
+    """What the next steps depend on besides, where a model was fitted so."""
+    known = prey.conditions
+    if known is None:
+        return []
+    facts = [("time-step", f"{known.time_step:g} s")]
+    if known.speed is not None:
+        facts.append(("also counted by", "the prey's own speed, and while it stands for how long it has stood"))
+    if known.residual is not None:
+        base = known.residual.base.replace("_", " ")
+        facts.append(
+            (
+                "also counted",
+                f"what {base} misses over {known.residual.steps} steps, by {known.residual.seen} places seen",
+            )
+        )
+    return facts
 
 
 def _seen(prey: PreyModel) -> pd.DataFrame:
@@ -87,12 +109,17 @@ def prey_table(prey: PreyModel) -> Table:
     frame = _seen(prey)
     columns = (frame[name].tolist() for name in ("probability", "count", "low", "high"))
     rows = [
-        [*map(label, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
+        [*map(_short, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
         for bins, p, n, low, high in list(zip(frame.index, *columns, strict=True))[:MOST_ROWS]
     ]
     rest = len(frame) - len(rows)
     more = f"and {rest} rarer cells" if rest else ""
-    return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more)
+    return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more, most=_PRINTED)
+
+
+def _short(bin_name: str) -> str:
+    """A bin as people read it, its bounds to three digits."""
+    return re.sub(r"\d+\.\d+", lambda found: f"{float(found.group()):.3g}", label(bin_name))
 
 
 def _count(number: float) -> str:
