@@ -66,7 +66,7 @@ class SpeedTable:
     def stood(self, steps: FloatArray) -> np.ndarray:
         """Return how many of the last steps on end [N], of steps [N, T] (metres), are of the slowest class."""
         slow = steps[:, ::-1] < _BINS * self.axes.distance.width  # False where nothing is known
-        return np.cumprod(slow, axis=1, dtype=np.int64).sum(axis=1)
+        return np.asarray(np.cumprod(slow, axis=1, dtype=np.int64).sum(axis=1))
 
     def add(self, kinds: np.ndarray, codes: np.ndarray, weight: int = UNIT) -> None:
         """Count transitions into cells ``codes`` [N] after steps of the classes ``kinds`` [N]."""
