@@ -132,8 +132,14 @@ def test_a_decision_is_seen_at_once(page_of, planned, width, height):
         box = page.locator(f"[data-part={part}]").bounding_box()
         assert box["y"] + box["height"] <= height, part
     if width < 1000:  # the field stays in view while the panels pass below
-        page.locator("[data-part=icicle]").scroll_into_view_if_needed()
+        page.keyboard.press("End")  # most rows of prey
+        page.locator("[data-part=prey-box]").scroll_into_view_if_needed()
         assert page.locator("[data-part=canvas]").bounding_box()["y"] >= -1
+        box = page.locator("[data-part=play]").bounding_box()  # and the buttons
+        assert box["y"] + box["height"] <= height
+        rows = page.locator("[data-part=prey-box]")
+        assert rows.locator("tbody tr").count() > 0
+        assert rows.evaluate("node => node.scrollWidth <= node.clientWidth")
 
 
 @pytest.mark.slow
