@@ -60,10 +60,12 @@ def main() -> None:
             draw_replay(browser, episodes[6], model, Path(folder))
             slippery = bh.load_experiment("slippery")
             graded = learn_model(slippery, 0)
+            unsure = bh.hunt(slippery, bh.make_planner("prediction", graded), arena="walled", theta=1.0, seed=1)
+            draw_posterior(browser, unsure, graded, Path(folder))
             draw_explorer(browser, graded, Path(folder))
             draw_network(browser, graded, Path(folder))
             browser.close()
-    for name in ("hunts", "replay", "explorer", "network"):
+    for name in ("hunts", "replay", "posterior", "explorer", "network"):
         size = (IMAGES / f"{name}.png").stat().st_size
         print(f"{IMAGES / name}.png: {size} bytes")
         if size > LIMIT:
@@ -89,6 +91,15 @@ def draw_replay(browser: Browser, episode: bh.Episode, model: bh.ForwardModel, f
         page.keyboard.press("ArrowRight")
     page.locator("[data-part=icicle] rect.lit").last.hover()
     page.screenshot(path=IMAGES / "replay.png")
+    page.close()
+
+
+def draw_posterior(browser: Browser, episode: bh.Episode, model: bh.ForwardModel, folder: Path) -> None:
+    """What the replay shows of the decision whose answer is the least certain."""
+    bh.write_replay(episode, folder / "posterior.html", model=model)
+    page = browser.new_page(viewport={"width": 1240, "height": 830})
+    page.goto((folder / "posterior.html").as_uri() + f"#d={1 + int(episode.frame['posterior'].map(max).argmin())}")
+    page.locator(".panels .left").screenshot(path=IMAGES / "posterior.png")
     page.close()
 
 

@@ -209,6 +209,7 @@ class NetworkView {
   activate(node, state) {
     const card = this.cards[node], most = card.options.length - 1;
     card.options[card.active].option.classList.remove("active");
+    card.chosen = true;
     card.active = Math.min(Math.max(state, 0), most);
     const { option } = card.options[card.active];
     option.classList.add("active");
@@ -372,6 +373,7 @@ class NetworkView {
     card.box.classList.toggle("seen", known >= 0 || soft !== null);
     card.box.classList.toggle("apart", apart && known < 0);
     card.head.setAttribute("aria-pressed", String(node === this.asked));
+    if (!card.chosen && marginal) card.active = mostOf(marginal); // what is read, as long as nobody chose a state
     card.options.forEach((parts, state) => {
       const { option, ghost, bar, value } = parts, p = marginal ? marginal[state] : 0;
       const leaning = soft !== null && soft[state] === Math.max(...soft), looks = [p, top, state === known, leaning].join(" ");
