@@ -15,7 +15,7 @@ from bayeshunt.core.errors import InputError
 if TYPE_CHECKING:
     import os
 
-__all__ = ["Bundled", "Displayed", "arrange", "bundle", "save", "to_html", "to_text", "widget"]
+__all__ = ["Bundled", "Displayed", "Instrument", "arrange", "bundle", "save", "to_html", "to_text", "widget"]
 
 #: Module that offers ``to_html(thing)`` and ``to_text(thing)``; None: nobody draws.
 _drawer: str | None = None
@@ -54,6 +54,33 @@ class Displayed:
 
     def _repr_html_(self) -> str | None:
         return to_html(self)
+
+
+class Instrument(Displayed):
+    """Shows itself as a widget in a notebook, and as a page."""
+
+    _widget: Any = None
+
+    @property
+    def widget(self) -> Any:
+        """It as a widget, made once; what may be set in it follows the picture.
+
+        Raises InputError if anywidget is not installed.
+        """
+        if self._widget is None:
+            self._widget = widget(self)
+        return self._widget
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it as one HTML page that needs neither a kernel nor the internet, replaced atomically."""
+        save(self, path)
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        return bundle(self, **options)
+
+    def _display_(self) -> Any:
+        """What marimo asks for first."""
+        return Bundled(self)
 
 
 def widget(thing: Any) -> Any:

@@ -22,11 +22,14 @@ hunts = [bh.hunt(settings, bh.make_planner(name, model), arena="open", seed=0) f
 CARDS = (
     "model", "inverse", "answer", 'model.table("Angle")', "hunts[0].plans[1]", "hunts[1].plans[1]", "hunts[1]",
     "bh.trace(answer)", 'bh.trace(model, cell=("Angle", 0.0, "straight"))', "bh.trace(hunts[1].plans[1], model=model)",
-    "hunts[0].situations[-1].prey_model", "bh.Learning(table, robot.gaits)",
+    "hunts[0].situations[-1].prey_model",
     "bh.compare(model, bh.ForwardModel.fit(table, robot.gaits, 0.1))", "robot", "settings",
     'bh.make_planner("planning", model)', "bh.assess(table)",
 )  # fmt: skip
-WIDGETS = {"bh-explorer": "bh.Explorer(model)", "bh-network": "bh.Network(model)"}
+WIDGETS = {
+    "bh-explorer": "bh.Explorer(model)", "bh-network": "bh.Network(model)",
+    "bh-learning": "bh.Learning(table, robot.gaits)",
+}  # fmt: skip
 CELLS = (SETUP, *CARDS, *WIDGETS.values())
 SIZES = ({"width": 1400, "height": 900}, {"width": 390, "height": 844})
 BRIGHTNESS = "e => getComputedStyle(e).backgroundColor.match(/[0-9]+/g).slice(0, 3).reduce((a, b) => a + +b, 0)"
@@ -43,7 +46,7 @@ def found(page, axe: str, where: str) -> list[tuple[str, str]]:
 
 def ground_is_dark(page) -> set[bool]:
     """Whether the grounds of cards and widgets are dark."""
-    every = page.locator(".bh, .bh-explorer, .bh-network")  # playwright looks into shadow roots
+    every = page.locator(".bh, .bh-explorer, .bh-network, .bh-learning section")  # playwright looks into shadow roots
     return {every.nth(i).evaluate(BRIGHTNESS) < 300 for i in range(every.count())}
 
 
@@ -70,7 +73,7 @@ def test_inside_jupyterlab(open_page, axe, model, tmp_path):
             for size in SIZES:
                 page.set_viewport_size(size)
                 page.wait_for_timeout(500)
-                assert found(page, axe, "['.bh'], ['.bh-explorer'], ['.bh-network']") == []
+                assert found(page, axe, ", ".join(f"['.{name}']" for name in ("bh", *WIDGETS))) == []
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

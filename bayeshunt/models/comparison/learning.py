@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -23,8 +22,11 @@ from bayeshunt.models.counting.measures import measured
 __all__ = ["Learning"]
 
 
-class Learning(displays.Displayed):
+class Learning(displays.Instrument):
     """A babbling table read row by row.
+
+    A notebook shows it as a widget with a slider over the rows (:attr:`widget`; its ``n`` follows the slider),
+    :meth:`save` as a page.
 
     frame, gaits, prior, axes, gait_prior: as in ``ForwardModel.fit``; the structure is the paper's.
     Raises what ``ForwardModel.fit`` raises for a wrong table, prior or repertoire.
@@ -119,10 +121,6 @@ class Learning(displays.Displayed):
         bits = sum(expected_bits(counts, self.prior or 1.0 / len(counts)) for counts in tables)
         found = pd.Series(bits, index=pd.Index(self.gaits.names, name="Gait"), name="bits")
         return found.sort_values(ascending=False, kind="stable")
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it as one HTML page with a slider over the rows, replaced atomically."""
-        displays.save(self, path)
 
     def __repr__(self) -> str:
         return f"<Learning: {len(self)} rows of {len(self.gaits)} gaits>"

@@ -33,7 +33,7 @@ _MOST_CELLS = 1 << 24
 Value = Any
 
 
-class Network(displays.Displayed):
+class Network(displays.Instrument):
     """A model's Bayesian network, every node of which can be asked and observed.
 
     model: a forward or inverse model of any structure, learned or imported; or a network over any nodes, at most 40: a
@@ -47,13 +47,13 @@ class Network(displays.Displayed):
     and Energy [J], a number.
     A likelihood (virtual evidence) is a number >= 0 for every state: how probable what was perceived is in that state.
 
-    A notebook shows it as a widget (:attr:`widget`), :meth:`save` as a page: there a click on a state is evidence.
+    A notebook shows it as a widget (:attr:`widget`; its ``evidence``, ``likelihood`` and ``asked`` follow the picture),
+    :meth:`save` as a page: there a click on a state is evidence.
 
     Raises InputError for another model.
     """
 
     def __init__(self, model: Any) -> None:
-        self._widget: Any = None
         model = model.model if isinstance(model, InverseModel) else model
         model = model.binned if isinstance(model, ForwardModel) else model
         self._axes = model.axes if isinstance(model, ForwardModel) else None
@@ -186,27 +186,6 @@ class Network(displays.Displayed):
             "evidence": {node: self.states[node][state] for node, state in known.items()},
             "likelihood": {node: values.tolist() for node, values in soft.items()},
         }
-
-    @property
-    def widget(self) -> Any:
-        """The network as a widget, made once: its ``evidence``, ``likelihood`` and ``asked`` follow the picture.
-
-        Raises InputError if anywidget is not installed.
-        """
-        if self._widget is None:
-            self._widget = displays.widget(self)
-        return self._widget
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the network as one HTML page that needs neither a kernel nor the internet."""
-        displays.save(self, path)
-
-    def _repr_mimebundle_(self, **options: Any) -> Any:
-        return displays.bundle(self, **options)
-
-    def _display_(self) -> Any:
-        """What marimo asks for first."""
-        return displays.Bundled(self)
 
     def __repr__(self) -> str:
         return f"<Network: {len(self.nodes)} nodes, {len(self.edges)} edges>"

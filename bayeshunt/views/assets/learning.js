@@ -1,11 +1,30 @@
-"use strict";
-/* A slider over babbled rows: counts what the tables hold after each, and draws it. */
-(() => {
-  const data = JSON.parse(document.getElementById("data").textContent), total = data.rows.length / 4;
-  const parts = Object.fromEntries([...document.querySelectorAll("[data-part]")].map((node) => [node.dataset.part, node]));
-  const ink = (name) => getComputedStyle(document.body).getPropertyValue(`--bh-${name}`).trim();
-  const G = data.gaits.length, MOST_NAMES = 40;
+/* A table being learned, after dom.js: a slider over babbled rows counts what the tables hold after each, and draws it. */
+
+/* Put it into `root`; told(n) hears how many rows are shown. Returns a function that shows n rows. */
+function learningView(root, data, told = () => {}) {
+  const total = data.rows.length / 4, G = data.gaits.length, MOST_NAMES = 40;
+  const ink = (name) => getComputedStyle(root).getPropertyValue(`--bh-${name}`).trim();
   let counts, totals, shown = 0, playing = 0;
+  root.classList.add("bh-learning");
+  const place = element("div", { class: "parts" }, root), parts = {};
+  const card = (name, title, label = title) => {
+    const box = element("section", { class: name, "aria-label": label }, place);
+    if (title) element("h2", {}, box, title);
+    return box;
+  };
+  const top = card("slider", "", "Rows");
+  parts.play = element("button", { type: "button", class: "play", "data-part": "play" }, top, "Play");
+  parts.n = element("input", { type: "range", min: 1, max: total, value: total, step: 1, "aria-label": "Rows learned from", "data-part": "n" }, top);
+  parts.said = element("output", {}, top);
+  const filled = card("tables", "Tables fill", "Tables");
+  parts.tables = element("div", {}, filled);
+  element("p", { class: "muted" }, filled, "Rows are gaits, columns bins; the stronger, the more probable. Point at a cell, or go to it by Tab and the arrow keys, for its count.");
+  parts.cell = element("p", { "data-part": "cell", "aria-live": "polite" }, filled);
+  parts.map = element("canvas", { class: "map", role: "img", "aria-label": "Coverage map" }, card("coverage", "Where gaits have led", "Coverage"));
+  parts.curves = element("div", {}, card("curves", "What that is worth", "Curves"));
+  const next = element("table", {}, card("next", "Babble next"));
+  element("caption", {}, next, "Bits that one more row of a gait is expected to tell");
+  parts.next = element("tbody", {}, next);
 
   const heats = data.tables.map(({ name, labels }, t) => {
     element("h3", {}, parts.tables, name);
@@ -138,6 +157,7 @@
       cancelAnimationFrame(playing);
       playing = 0;
       parts.play.textContent = "Play";
+      told(Number(parts.n.value));
       return;
     }
     if (Number(parts.n.value) >= total) parts.n.value = 1;
@@ -151,11 +171,15 @@
     playing = requestAnimationFrame(go);
   }
 
-  parts.n.max = total;
-  parts.n.value = total;
   parts.n.addEventListener("input", show);
+  parts.n.addEventListener("change", () => told(Number(parts.n.value)));
   parts.play.addEventListener("click", play);
-  new ResizeObserver(show).observe(parts.map.parentElement);
+  new ResizeObserver(show).observe(root);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
   show();
-})();
+  return (n) => {
+    if (n === Number(parts.n.value)) return;
+    parts.n.value = n;
+    show();
+  };
+}

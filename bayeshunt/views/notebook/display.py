@@ -60,14 +60,15 @@ def to_text(thing: Any) -> str:
 
 
 def widget(thing: Any) -> Any:
-    """Return a network as a widget; InputError if anywidget is not installed, TypeError for anything else."""
-    if not isinstance(thing, Network):
+    """Return a thing as a widget; InputError if anywidget is not installed, TypeError for one that has none."""
+    if not isinstance(thing, (Network, Learning)):
         raise TypeError(f"a {type(thing).__name__} has no widget")
     if find_spec("anywidget") is None:
-        raise InputError("a network's widget needs anywidget: pip install '.[notebook]' in bayeshunt's folder")
+        raise InputError("a widget needs anywidget: pip install '.[notebook]' in bayeshunt's folder")
+    from bayeshunt.views.notebook.learning_widget import LearningWidget
     from bayeshunt.views.notebook.network_widget import NetworkWidget
 
-    return NetworkWidget(thing)
+    return NetworkWidget(thing) if isinstance(thing, Network) else LearningWidget(thing)
 
 
 def bundle(thing: Any, **options: Any) -> Any:

@@ -19,8 +19,8 @@ _MOST_ROWS = 20_000  # that a page holds; of a longer table the first
 def learning_html(learning: Learning) -> str:
     """Return a self-contained page: tables that fill, intervals, coverage, held-out log-loss, what to babble next."""
     return render(
-        "learning.html.j2", ["page.css", "learning.css"], ["dom.js", "learning.js"],
-        title=f"Learning from {len(learning):,} rows", gaits=len(learning.gaits), data=embed(learning_data(learning)),
+        "learning.html.j2", ["page.css", "learning.css"], ["dom.js", "learning.js", "learning_page.js"],
+        title=f"Learning from {len(learning):,} rows", data=embed(learning_data(learning)),
     )  # fmt: skip
 
 

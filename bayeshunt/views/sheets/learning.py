@@ -24,6 +24,6 @@ def learning(shown: Learning) -> Sheet:
         [
             Table(["rows", "gaits", "coordinates", "mean width of intervals"], rows),
             Table(["gait", "expected bits of one more row"], [[gait, f"{value:.3f}"] for gait, value in bits.items()]),
-            Note("learning.save('learning.html') writes a page with a slider over the rows."),
+            Note("learning.widget, or learning.save('learning.html'): a slider over the rows."),
         ],
     )
