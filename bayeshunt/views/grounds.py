@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
-from bayeshunt.core.units import degrees, label, length
+from bayeshunt.core.units import bounds, degrees, label, length
+from bayeshunt.episodes.answers import stored
 
 if TYPE_CHECKING:
+    from bayeshunt.episodes.episode import Episode
     from bayeshunt.models.body.forward import ForwardModel
     from bayeshunt.models.body.posterior import Posterior
 
@@ -90,6 +93,22 @@ def within(found: pd.DataFrame) -> dict[str, tuple[float, float]]:
     """Return low and high by gait."""
     lows, highs = found["low"].tolist(), found["high"].tolist()
     return dict(zip(found.index, zip(lows, highs, strict=True), strict=True))
+
+
+def value_within(episode: Episode) -> list[str]:
+    """Return of each decision of a hunt the interval of the posterior that it rests on, " (0.31 to 1)"; "" without."""
+    answers = [plan.answer for plan in episode.plans] or [None] * len(episode.frame)
+    said = []
+    for row, answer in zip(episode.frame.to_dict("records"), answers, strict=True):
+        found = None if row["posterior"] is None or answer is None else interval(answer)
+        rests = None if row["posterior"] is None or answer is not None else stored(row)
+        if found is not None:
+            said.append(f" ({bounds(*within(found)[row['gait']])})")
+        elif rests is not None and rests.within is not None:
+            said.append(f" ({bounds(*rests.within[:, int(np.argmax(row['posterior']))].tolist())})")
+        else:
+            said.append("")
+    return said
 
 
 def cell_within(low: float, high: float) -> str:

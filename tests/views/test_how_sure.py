@@ -13,6 +13,7 @@ import bayeshunt as bh
 from bayeshunt.cli import app
 from bayeshunt.core.units import bounds
 from bayeshunt.views.sheets.sheet import Bars
+from bayeshunt.views.terminal.terminal import episode_table
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,21 @@ def test_a_decision_shows_it(model, planner):
             assert said in shown
         assert plan._repr_html_().count('class="bh-whisker"') == len(model.gaits)
     assert 'class="bh-whisker"' not in copy.deepcopy(plans[0])._repr_html_()
+
+
+def test_the_decisions_of_a_hunt_show_it(model, tmp_path, capsys):
+    """In the card, in the text and in the terminal; of a hunt read from a file as it keeps it; none of sequences."""
+    hunt = bh.hunt("paper", bh.make_planner("reactive", model), seed=3)
+    hunt.save(tmp_path / "hunt.parquet")
+    ends = [bounds(*plan.answer.interval().loc[plan.gait, ["low", "high"]]) for plan in hunt.plans]
+    said = [f"{plan.value:.3g} ({within})" for plan, within in zip(hunt.plans, ends, strict=True)]
+    for episode in (hunt, bh.Episode.load(tmp_path / "hunt.parquet")):
+        episode_table(episode)
+        for shown in (str(episode), episode._repr_html_(), capsys.readouterr().out):
+            for value in set(said):
+                assert shown.count(value) == said.count(value)
+    planned = bh.hunt("paper", bh.make_planner("planning", model), seed=3)
+    assert "95 %" not in str(planned)
 
 
 def test_without_intervals_there_are_no_whiskers():

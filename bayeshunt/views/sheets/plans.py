@@ -151,8 +151,9 @@ def episode(shown: Episode) -> Sheet:
     changes = int((shown.frame["gait"].to_numpy()[1:] != shown.frame["gait"].to_numpy()[:-1]).sum())
     pairs += [("decisions", len(shown.frame)), ("changes of gait", changes)]
     what = objective(0.0, shown.frame["objective"].iloc[0])[1] if len(shown.frame) else ""
-    decisions = _decisions(shown.frame)
-    note = Note(f"value: {what}; moves seen: prey transitions learned before the decision")
+    decisions = _decisions(shown)
+    sure = " (95 % interval)" if any(" (" in row[5] for row in decisions.rows) else ""
+    note = Note(f"value: {what}{sure}; moves seen: prey transitions learned before the decision")
     where = f"settings {origin.get('settings', {}).get('name', 'unknown')!r}"
     return Sheet(
         f"Hunt: {ending}",
@@ -162,13 +163,13 @@ def episode(shown: Episode) -> Sheet:
     )
 
 
-def _decisions(frame: pd.DataFrame) -> Table:
+def _decisions(shown: Episode) -> Table:
     rows = [
         [
             r["step"], f"{r['time']:.1f}", f"{r['seen_distance'] * 1000:.0f}", degrees(r["seen_angle"]), r["gait"],
-            f"{objective(r['value'], r['objective'])[0]:.3g}", r["prey_observations"],
+            f"{objective(r['value'], r['objective'])[0]:.3g}{within}", r["prey_observations"],
         ]
-        for r in frame.to_dict("records")
+        for r, within in zip(shown.frame.to_dict("records"), grounds.value_within(shown), strict=True)
     ]  # fmt: skip
     columns = ["step", "time [s]", "prey at [mm]", "bearing", "gait", "value", "moves seen"]
     return Table(columns, rows, words=frozenset({4}), most=len(rows))

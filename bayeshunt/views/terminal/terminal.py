@@ -142,18 +142,22 @@ def status_table(found: Any) -> None:
 
 def episode_table(episode: Any) -> None:
     """Print one hunt: a row per decision, then how it ended."""
+    from bayeshunt.views.grounds import value_within
+
     table = TextTable(
         "step", "time", "prey at", "bearing", "aims at", word("gait"), "value", "moves seen",
         title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
     )  # fmt: skip
-    for row in episode.frame.itertuples():
+    sures = value_within(episode)
+    for row, within in zip(episode.frame.itertuples(), sures, strict=True):
         seen = length(row.seen_distance), degrees(row.seen_angle), length(row.target_distance)
         value, moves = objective(row.value, row.objective)[0], str(row.prey_observations)
-        table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}", moves)
+        table.row(row.step, f"{row.time:.1f} s", *seen, row.gait, f"{value:.3g}{within}", moves)
     table.print(out)
     if len(episode.frame):
         what = objective(0.0, episode.frame["objective"].iloc[0])[1]
-        out.print(f"value: {what}. moves seen: prey transitions learned so far.", style="dim")
+        sure = " (95 % interval)" if any(sures) else ""
+        out.print(f"value: {what}{sure}. moves seen: prey transitions learned so far.", style="dim")
     else:
         out.print("no decision was made: the prey starts within the catch distance.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
