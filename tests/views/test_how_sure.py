@@ -42,7 +42,10 @@ def test_text_and_card_show_the_interval(answer):
     for shown in (str(answer), answer._repr_html_()):
         assert said in shown
         assert "one row: not sure" in shown
-    assert answer._repr_html_().count('class="bh-whisker"') == len(answer.values)
+    html = answer._repr_html_()
+    assert html.count('class="bh-whisker"') == len(answer.values)
+    drawn = html.split("The network given this evidence")[1].split("</details>")[0]
+    assert drawn.count('stroke-width="1.6"') == 2 * len(answer.values)  # beside, and stacked for phones
 
 
 def test_the_shortest_form_shows_it_too(answer):

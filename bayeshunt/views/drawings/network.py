@@ -70,7 +70,7 @@ def _beside(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, 
     right_height = len(effects) * (_NODE[1] + _GAP) - _GAP
     height = max(left_height, right_height) + 4
     top = (height - left_height) / 2
-    parts = [_gait_node(model, shares["Gait"], top, gait_height, answer is not None)]
+    parts = [_gait_node(model, shares["Gait"], top, gait_height, answer)]
     causes = {"Gait": top + gait_height / 2}  # middle of each node
     if before:
         causes[PREVIOUS] = top + left_height - _BEFORE / 2
@@ -88,7 +88,7 @@ def _beside(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, 
 def _stacked(model: ForwardModel, shares: dict[str, np.ndarray], seen: dict[str, int], answer: Any) -> Html:
     """All nodes below each other, for a phone; edges run down the left side."""
     gait_height, before = _gait_height(model), _has_before(model)
-    parts = [_gait_node(model, shares["Gait"], 0, gait_height, answer is not None)]
+    parts = [_gait_node(model, shares["Gait"], 0, gait_height, answer)]
     causes = {"Gait": (7.0, gait_height / 2)}  # where its edges run, middle of the node
     first = gait_height + _GAP
     if before:
@@ -165,10 +165,13 @@ def _frame(x: float, y: float, width: float, height: float, name: str, note: str
     ]
 
 
-def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: float, learned: bool) -> Html:
+def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: float, answer: Posterior | None) -> Html:
+    """The gaits with their probabilities, those of an answer with the whiskers of their intervals."""
+    learned, found = answer is not None, None if answer is None else grounds.interval(answer)
+    ends = None if found is None else found[["low", "high"]].to_numpy()
     parts = _frame(2, top + 2, _LEFT, height - 4, "Gait", "given the evidence" if learned else "P(Gait)", False)
     order = range(len(shares)) if len(shares) <= _MOST_GAITS else np.argsort(-shares, kind="stable")[:_MOST_GAITS]
-    scale = 96 / max(float(shares.max()), 1e-300)
+    scale = 96 / max(float(shares.max() if ends is None else ends.max()), 1e-300)
     for place, index in enumerate(order):
         y = top + 34 + place * _ROW
         share, name = float(shares[index]), model.gaits.names[index]
@@ -176,6 +179,9 @@ def _gait_node(model: ForwardModel, shares: np.ndarray, top: float, height: floa
         parts.append(svg.text(122, y + 9, svg.shorten(name, 17), anchor="end"))
         fill = svg.CHOSEN if best else svg.BAR
         parts.append(svg.box(130, y, max(share * scale, 0.5), 10, f"{name}: {share:.4g}", fill=fill, rx=1.5))
+        if ends is not None:
+            low, high = (130 + scale * ends[index]).tolist()
+            parts.append(svg.line([(low, y + 5), (max(high, low + 1.5), y + 5)], stroke=svg.INK, stroke_width=1.6))
         parts.append(svg.text(_LEFT - 10, y + 9, f"{share:.3f}", anchor="end", faint=True))
     if len(shares) > _MOST_GAITS:
         left = len(shares) - _MOST_GAITS

@@ -163,7 +163,7 @@ def bars(answer: Posterior | None, shares: dict[str, float], lit: str, within: A
 def _opened(answer: Posterior) -> Html:
     """The formula with its numbers, and the cells with their counts."""
     opened = tracing.trace(trace_answer(answer))
-    formula = tag("div", *(str(value) for _, value in opened.pairs))
+    formula = tag("div", str(dict(opened.pairs)["formula"]))
     return join([formula, *(part.html() for part in opened.parts if part is not None)])
 
 
