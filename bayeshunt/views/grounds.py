@@ -99,10 +99,10 @@ def value_within(episode: Episode) -> list[str]:
     """Return of each decision of a hunt the interval of the posterior that it rests on, " (0.31 to 1)"; "" without."""
     answers = [plan.answer for plan in episode.plans] or [None] * len(episode.frame)
     said = []
-    rows: list[dict[str, Any]] = [
+    records: list[dict[str, Any]] = [
         {str(name): value for name, value in r.items()} for r in episode.frame.to_dict("records")
     ]
-    for row, answer in zip(rows, answers, strict=True):
+    for row, answer in zip(records, answers, strict=True):
         found = None if row["posterior"] is None or answer is None else interval(answer)
         rests = None if row["posterior"] is None or answer is not None else stored(row)
         if found is not None:
