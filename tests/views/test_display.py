@@ -582,6 +582,26 @@ def test_the_card_of_an_inverse_model_stays_small_however_wide_its_tables() -> N
     assert 400 < len(hints) <= 1502
 
 
+def test_the_card_of_a_table_stays_small_however_wide_it_is() -> None:
+    """A prior gives every bin its share: neighbours share a box of the strips, the likeliest bins stand below."""
+    import pandas as pd
+
+    frame = pd.DataFrame({"gait": ["a", "b"], "distance": [0.2, 20.0], "angle": 0.0, "heading": 0.0})
+    with pytest.warns(bh.DataWarning, match="makes 20,000 distance bins"):
+        model = bh.ForwardModel.fit(frame, ["a", "b"], 0.1, axes=bh.EffectAxes.standard(0.01))
+    table = model.table("Distance")
+    assert table.probability.shape == (20_001, 2)
+    html = table._repr_html_()
+    page = check(html)
+    assert len(html.encode()) < 200_000
+    kept = [e["text"] for e in page.find("th") if e["attributes"]["scope"] == "row"]
+    assert len(kept) == 50
+    assert set(map(said, table.count.index[table.count.to_numpy().any(axis=1)])) <= set(kept)
+    strips = html.split("Where each column has its weight")[1].split("</div>")[0]
+    darkest = [max(re.findall(r'<rect x="(\d+)"[^>]*fill-opacity="1.00"', strip)) for strip in strips.split("<svg")[1:]]
+    assert darkest == ["4", "487"]  # of 488 boxes of 41 bins each
+
+
 def test_every_coordinate_is_drawn_where_there_are_few(shown) -> None:
     hints = [e["text"] for e in check(maps.inverse_map(shown.inverse)).find("title")]
     assert len(hints) == len(shown.inverse.table()) + 1

@@ -183,14 +183,16 @@ def _within(inverse: InverseModel, table: Any, best: np.ndarray) -> list[tuple[f
 
 def _sectors(bins: np.ndarray, most: int) -> Iterator[tuple[Sequence[int], Sequence[int], np.ndarray]]:
     """First bin, number of bins and members of at most ``most`` sectors that hold all coordinates ``bins`` [2, N]."""
-    span = [1, 1]
-    while len(corners := np.unique(bins // np.array(span)[:, None], axis=1).T) > most:
+    span, width = [1, 1], int(bins[1].max()) + 1
+    while True:
+        owner = bins[0] // span[0] * width + bins[1] // span[1]
+        if len(corners := np.unique(owner)) <= most:
+            break
         span[0 if span[0] <= span[1] else 1] *= 2
-    owner = bins // np.array(span)[:, None]
-    order = np.lexsort(owner[::-1])
-    starts = np.flatnonzero(np.any(np.diff(owner[:, order], axis=1, prepend=-1), axis=0))
-    for corner, members in zip(corners, np.split(order, starts[1:]), strict=True):
-        yield (corner * span).tolist(), span, members
+    order = np.argsort(owner, kind="stable")
+    starts = np.searchsorted(owner[order], corners)
+    for corner, members in zip(corners.tolist(), np.split(order, starts[1:]), strict=True):
+        yield (corner // width * span[0], corner % width * span[1]), span, members
 
 
 def gait_key(model: ForwardModel) -> Html:

@@ -20,12 +20,15 @@ from bayeshunt.views.terminal.text_tables import clean
 
 __all__ = ["MOST_ROWS", "heat_table", "probability_table"]
 
-#: Of a longer table only the likeliest bins are shown.
+#: Of a longer table only the likeliest bins are shown; fewer where they are none the less a small part of it.
 MOST_ROWS = 200
+_LONG, _MOST_OF_LONG = 2000, 50
 #: A table of no more bins is seen at once, without strips above it.
 _FEW_BINS = 12
 _MOST_PRINTED = 60  # rows of a table in text
 _MOST_STRIPS = 40
+#: Boxes of all strips of a table.
+_MOST_BOXES = 1000
 #: Cells of a table that open, and rows that all their panels list together.
 _MOST_OPEN, _MOST_BABBLED = 300, 400
 #: Nor more cells than a browser shows at once, some 2 MB of page.
@@ -127,8 +130,10 @@ def _empty(values: np.ndarray, behind: list[np.ndarray]) -> np.ndarray:
 
 def _strips(values: np.ndarray, columns: list[str]) -> Html:
     """Every column as a strip over all bins: where it has its weight, seen at once."""
+    strips = min(len(columns), _MOST_STRIPS)
+    values = _merged(values, max(50, _MOST_BOXES // strips))
     bins, parts = len(values), []
-    for j in range(min(len(columns), _MOST_STRIPS)):
+    for j in range(strips):
         top = max(float(values[:, j].max()), 1e-300)
         parts.append(tag("span", svg.shorten(str(columns[j]), 17)))
         boxes = [
@@ -138,6 +143,12 @@ def _strips(values: np.ndarray, columns: list[str]) -> Html:
         parts.append(tag("svg", *boxes, viewBox=f"0 0 {bins} 1", preserveAspectRatio="none"))
     said = "Where each column has its weight, over all bins"
     return tag("div", *parts, class_="bh-strips", role="img", aria_label=said)
+
+
+def _merged(values: np.ndarray, most: int) -> np.ndarray:
+    """Values [K, G] of at most so many rows: where there are more, the greatest of each few that stand together."""
+    few = -(-len(values) // most)
+    return np.maximum.reduceat(values, np.arange(0, len(values), few)) if few > 1 else values
 
 
 def _states(shown: ProbabilityTable) -> list[str]:
@@ -196,7 +207,7 @@ def _cell(
 
 def _rows_to_show(values: np.ndarray) -> list[int]:
     """All rows of a readable table; of a larger one the likeliest, in order."""
-    most = min(MOST_ROWS, max(20, _MOST_CELLS // values.shape[1]))
+    most = min(MOST_ROWS if len(values) <= _LONG else _MOST_OF_LONG, max(20, _MOST_CELLS // values.shape[1]))
     if len(values) <= most:
         return list(range(len(values)))
     return sorted(np.argsort(-values.max(axis=1), kind="stable")[:most].tolist())
