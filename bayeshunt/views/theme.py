@@ -3,7 +3,7 @@
 Blue is the hunter, orange the prey, purple what is chosen, green a catch, slate a probability; planners have colours
 that are none of these. Gaits go from grey (straight) by hue as they turn, cool to the left and warm to the right: every
 pair stays apart for colour-blind readers too (CIE 1976 distance above 20 as protanopes and deuteranopes see them), and
-one colour serves the light and the dark theme. Text has a contrast of 4.5 to 1 or more, marks of 3 to 1.
+one colour serves the light and the dark theme. More gaits than that have the colours again, striped. Text has a contrast of 4.5 to 1 or more, marks of 3 to 1.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from bayeshunt.core.errors import ZeroCountError
+from bayeshunt.core.geometry import wrap
 from bayeshunt.models.body.forward import ForwardModel
 
 __all__ = ["COLOURS", "GAITS", "PLANNERS", "gait_colours", "gait_names", "gait_variables", "palette", "style"]
@@ -50,6 +51,8 @@ GAITS = {
 }
 #: Up to this bearing of its end [rad] a gait counts as straight.
 _STRAIGHT_UP_TO = 0.05
+#: Along an arc the heading is twice the bearing, up to this [rad].
+_ARC = 1.0
 
 #: What stands above a display under each theme of a notebook: light and dark of JupyterLab, VS Code, marimo.
 _THEMES = (
@@ -213,32 +216,55 @@ def _variables(shade: int) -> str:
 def gait_names(turns: Iterable[float]) -> list[tuple[str, int]]:
     """Return the side and the rank on it of each gait by how far it turns [rad clockwise], as keys of :data:`GAITS`.
 
-    NaN, where nobody knows, counts as straight; where a side has more gaits than colours it starts over.
+    NaN, where nobody knows, counts as straight; where a side has more gaits than colours it starts over, striped.
     """
+    return [(side, rank % len(GAITS[side])) for side, rank in _ranked(turns)]
+
+
+def gait_stripes(turns: Iterable[float]) -> list[int]:
+    """Return how many stripes tell each gait from one of the same colour: none but where a side has started over."""
+    return [rank // len(GAITS[side]) for side, rank in _ranked(turns)]
+
+
+def _ranked(turns: Iterable[float]) -> list[tuple[str, int]]:
+    """The side of each gait, and how many of that side turn less."""
     angles = np.nan_to_num(np.array(list(turns), dtype=float))
     sides = np.where(np.abs(angles) <= _STRAIGHT_UP_TO, "straight", np.where(angles < 0, "left", "right"))
     names = [("", 0)] * len(angles)
-    for side, colours in GAITS.items():
+    for side in GAITS:
         chosen = np.flatnonzero(sides == side)
         for rank, index in enumerate(chosen[np.argsort(np.abs(angles[chosen]), kind="stable")].tolist()):
-            names[index] = (side, rank % len(colours))
+            names[index] = (side, rank)
     return names
 
 
 def gait_colours(model: ForwardModel) -> list[str]:
     """Return the colour of every gait of a model in table order, for figures on white."""
-    return [GAITS[side][rank][0] for side, rank in gait_names(_turn(model, i) for i in range(len(model.gaits)))]
+    return [GAITS[side][rank][0] for side, rank in gait_names(_turns(model))]
 
 
 def gait_variables(model: ForwardModel) -> list[str]:
     """Return the same for drawings that follow the theme: CSS variables."""
-    return [f"var(--bh-{side}-{rank})" for side, rank in gait_names(_turn(model, i) for i in range(len(model.gaits)))]
+    return [f"var(--bh-{side}-{rank})" for side, rank in gait_names(_turns(model))]
+
+
+def stripes(model: ForwardModel) -> list[int]:
+    """Return how many stripes go with each of those colours."""
+    return gait_stripes(_turns(model))
+
+
+def _turns(model: ForwardModel) -> list[float]:
+    return [_turn(model, i) for i in range(len(model.gaits))]
 
 
 def _turn(model: ForwardModel, gait: int) -> float:
-    """Bearing of a gait's mean end: half of what it turns, and unlike its heading not wrapped before a full turn."""
+    """Bearing of a gait's mean end: half of what it turns, and unlike its heading not wrapped before a full turn.
+
+    Where it does not move along an arc, as legs that turn on the spot and slide, its heading says which way it turns.
+    """
     try:
         end = model.predict(model.gaits[gait])
     except ZeroCountError:
         return 0.0
-    return float(end.angle if end.distance > 0.1 * (model.gaits.body_length or 0.0) else end.heading)
+    along = end.distance > 0.1 * (model.gaits.body_length or 0.0) and abs(wrap(2 * end.angle - end.heading)) < _ARC
+    return float(end.angle if along else end.heading)

@@ -89,11 +89,16 @@ class Lanes {
   until(i) { return this.x(i + 1 < this.hunt.steps.length ? this.hunt.steps[i + 1].time : this.end); }
 
   gaits(top, height) {
-    const { steps, colours } = this.hunt;
+    const { steps, colours, stripes } = this.hunt;
     steps.forEach((step, i) => {
       const x = this.x(step.time), width = Math.max(this.until(i) - x - 1, 1);
       const rect = shape("rect", { class: "gait", x, y: top, width, height }, this.picture);
       if (colours[step.gait]) rect.style.fill = `var(--bh-${colours[step.gait]})`;
+      const many = stripes[step.gait] ?? 0; // so many stripes tell it from another gait of its colour
+      for (let k = 1; k <= many; k++) {
+        const y = top + (height * k) / (many + 1);
+        shape("line", { class: "stripe", x1: x, x2: x + width, y1: y, y2: y }, this.picture);
+      }
     });
     return "gait";
   }

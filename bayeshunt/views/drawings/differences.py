@@ -62,10 +62,11 @@ def answers_map(found: Comparison, *, after: bool) -> Html:
     window = Window.around(
         [0.0, *(outer * np.sin(answers["angle"]))], [0.0, *(outer * np.cos(answers["angle"]))], size=380
     )
-    colours = dict(zip(model.gaits.names, theme.gait_variables(found.models[0]), strict=True))  # one key for both
+    drawn = zip(theme.gait_variables(found.models[0]), theme.stripes(found.models[0]), strict=True)  # one key for both
+    looks = dict(zip(model.gaits.names, drawn, strict=True))
     order = answers.sort_values("changed", kind="stable")  # outlines on top
     parts = [
-        _sector(window, one, axes.distance.width, 2 * math.pi / axes.angle.bins, colours, after)
+        _sector(window, one, axes.distance.width, 2 * math.pi / axes.angle.bins, looks, after)
         for one in order.to_dict("records")
     ]
     which = "second" if after else "first"
@@ -74,7 +75,7 @@ def answers_map(found: Comparison, *, after: bool) -> Html:
 
 
 def _sector(
-    window: Window, one: dict[Any, Any], wide: float, turn: float, colours: dict[str, str], after: bool
+    window: Window, one: dict[Any, Any], wide: float, turn: float, looks: dict[str, tuple[str, int]], after: bool
 ) -> Html:
     distance, angle = float(one["distance"]), float(one["angle"])
     gait = str(one["after" if after else "before"])
@@ -82,4 +83,5 @@ def _sector(
     place = f"{length(distance)}, {true_minus(degrees(angle))}"
     hint = f"{place}: {one['before']}" + (f", then {one['after']}" if one["changed"] else "")
     outline = {"stroke": svg.INK, "stroke_width": 2.2} if one["changed"] else {}
-    return sector(window, reach, edges, colours[gait], hint, **outline)
+    colour, stripes = looks[gait]
+    return sector(window, reach, edges, colour, hint, stripes, **outline)

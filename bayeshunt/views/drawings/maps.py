@@ -145,7 +145,7 @@ def inverse_map(inverse: InverseModel) -> Html:
     outer = table["distance"] + axes.distance.width
     right, ahead = outer * np.sin(table["angle"]), outer * np.cos(table["angle"])
     window = Window.around([0.0, *right], [0.0, *ahead], size=420)
-    colours = theme.gait_variables(inverse.model)
+    colours, stripes = theme.gait_variables(inverse.model), theme.stripes(inverse.model)
     bins = np.stack([axes.distance.index(table["distance"].to_numpy()), axes.angle.index(table["angle"].to_numpy())])
     within = _within(inverse, table, best) if len(table) <= _MOST_DOUBTED else None
     parts = []
@@ -165,7 +165,7 @@ def inverse_map(inverse: InverseModel) -> Html:
         place = f"{length(first['distance'])}, {true_minus(degrees(first['angle']))}"
         sure = 1.0 if within is None else 1.0 - float(np.mean([within[m][1] - within[m][0] for m in members]))
         look = {"fill_opacity": f"{0.15 + 0.85 * sure:.2f}", "stroke": svg.FAINT, "stroke_width": 0.6}
-        parts.append(sector(window, reach, angle, colours[gait], f"{place}: {hint}", **look))
+        parts.append(sector(window, reach, angle, colours[gait], f"{place}: {hint}", stripes[gait], **look))
     parts += [window.robot(0, 0, math.pi / 2, svg.INK, "robot", 8), window.ruler()]
     return svg.drawing(window.width, window.height, *parts, label="Most probable gait of every learned coordinate")
 
@@ -198,21 +198,37 @@ def _sectors(bins: np.ndarray, most: int) -> Iterator[tuple[Sequence[int], Seque
 def gait_key(model: ForwardModel) -> Html:
     """Return the colours of the gaits in a list beside a map."""
     rows = []
-    for name, colour in list(zip(model.gaits.names, theme.gait_variables(model), strict=True))[:40]:
-        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=colour, rx=2), label="colour")
+    looks = zip(model.gaits.names, theme.gait_variables(model), theme.stripes(model), strict=True)
+    for name, colour, stripes in list(looks)[:40]:
+        lines = [svg.line([(0, y), (12, y)], **_STRIPE) for y in _between(0.0, 12.0, stripes)]
+        label = "striped colour" if stripes else "colour"
+        swatch = svg.drawing(12, 12, svg.box(0, 0, 12, 12, fill=colour, rx=2), *lines, label=label)
         look = "display:flex;gap:8px;align-items:center"
         rows.append(tag("div", swatch, tag("span", name), style=look))
     return tag("div", *rows)
 
 
-def sector(window: Window, reach: np.ndarray, angle: np.ndarray, colour: str, hint: str, **outline: Any) -> Html:
-    """Return an annular sector between two distances [m] and two angles [rad], clockwise from up."""
+def sector(
+    window: Window, reach: np.ndarray, angle: np.ndarray, colour: str, hint: str, stripes: int = 0, **outline: Any
+) -> Html:
+    """Return an annular sector between two distances [m] and two angles [rad], clockwise from up; striped across."""
     (near, far), edges = reach, angle
     corners = [window.at(r * math.sin(a), r * math.cos(a)) for r, a in
                ((near, edges[0]), (far, edges[0]), (far, edges[1]), (near, edges[1]))]  # fmt: skip
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + "Z"
     outline = outline or {"stroke": svg.FAINT, "stroke_width": 0.6}
-    return tag("path", tag("title", hint), d=path, fill=colour, **outline)
+    drawn = tag("path", tag("title", hint), d=path, fill=colour, **outline)
+    ends = [[window.at(r * math.sin(a), r * math.cos(a)) for a in edges] for r in _between(near, far, stripes)]
+    return tag("g", drawn, *(svg.line(points, **_STRIPE) for points in ends)) if stripes else drawn
+
+
+#: A stripe lets the ground through; what is below it keeps its hint.
+_STRIPE = {"stroke": "var(--bh-paper)", "stroke_width": 2, "pointer_events": "none"}
+
+
+def _between(start: float, end: float, count: int) -> list[float]:
+    """Places that part an interval evenly."""
+    return [start + (end - start) * (k + 1) / (count + 1) for k in range(count)]
 
 
 def _branch(plan: Plan) -> tuple[list[float], list[float], list[float]] | None:

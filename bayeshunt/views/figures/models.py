@@ -27,6 +27,7 @@ _MOST_DOTS = 300  # per gait
 _MOST_VECTORS = 50  # per gait: dots drawn one by one in a vector file
 _LEAST, _SPREAD = 1e-3, 31.0  # dots of probabilities: the least shown; points^2 of a certain bin
 _TALLEST = 14.0  # inch
+_DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)))  # of a gait's path, by how many gaits of its colour go before it
 
 
 @styled
@@ -36,27 +37,29 @@ def gait_outcomes(model: ForwardModel) -> Figure:
     Dots are the babbling rows if the model holds them, else the centres of the counted cells, larger
     where more rows fell, or in an imported network of the probable bins, larger where more probable;
     lines are mean paths (straight to the mean end where part-way poses were not recorded), discs mean ends.
+    Of gaits that share a colour, all but the first have rings for dots and broken lines.
     """
     figure = Figure(figsize=(7.2, _height(model, 3.9)), layout="constrained")
     place, turn = figure.subplots(1, 2, width_ratios=[1.25, 1])
     diameter = (model.gaits.body_length or 0.0) * 1000  # unknown: no disc
     body(place, 0, 0, 0, diameter, INK)
     counted = model.joint.marginal("Gait") if model.has_counts else np.ones(len(model.gaits))
-    colours = theme.gait_colours(model)
+    colours, stripes = theme.gait_colours(model), theme.stripes(model)
     for index in np.flatnonzero(counted).tolist():
-        colour = colours[index]
+        colour, look = colours[index], min(stripes[index], len(_DASHES) - 1)
         ends, size, turns, turn_size = _ends(model, index)
         place.scatter(
             ends.right * 1000,
             ends.forward * 1000,
             s=size,
-            color=colour,
+            facecolors="none" if look else colour,
+            edgecolors=colour,
             alpha=0.45,
-            linewidths=0,
+            linewidths=0.6 if look else 0,
             rasterized=_many(ends),
         )
         path = _mean_path(model, index)
-        place.plot(path[:, 1] * 1000, path[:, 0] * 1000, color=colour, linewidth=1.3)
+        place.plot(path[:, 1] * 1000, path[:, 0] * 1000, color=colour, linewidth=1.3, linestyle=_DASHES[look])
         body(place, path[-1, 1] * 1000, path[-1, 0] * 1000, path[-1, 2], diameter, colour, linewidth=0.9)
         turn.scatter(
             np.degrees(turns), np.full(len(turns), index), s=turn_size, color=colour, alpha=0.45, linewidths=0,
@@ -133,8 +136,7 @@ def network(model: ForwardModel) -> Figure:
     before = PREVIOUS in model.known or depends_on_previous(model.structure)
     gait_axes = figure.add_axes((0.15, 0.34, 0.19, 0.52) if before else (0.15, 0.18, 0.19, 0.68))
     shares = model.probabilities("Gait")
-    colours = theme.gait_colours(model)
-    gait_axes.barh(range(len(colours)), shares, color=colours, height=0.7)
+    _gait_bars(gait_axes, model, shares)
     _name_gaits(gait_axes, model, 16)
     gait_axes.set_title("P(Gait)")
     boxes = {"Gait": gait_axes}
@@ -151,6 +153,15 @@ def network(model: ForwardModel) -> Figure:
     said = textwrap.fill(f"{causes} {grounds.description(model)}", 130 if before else 110)
     figure.text(0.02, 0.03 if "\n" not in said else 0.01, said, fontsize=6.5 if before else 8.5, color=FAINT)
     return figure
+
+
+def _gait_bars(axes: Axes, model: ForwardModel, shares: np.ndarray) -> None:
+    """A bar for each gait, striped where it shares its colour with another."""
+    for row, (share, colour, many) in enumerate(zip(shares, theme.gait_colours(model), theme.stripes(model), strict=True)):
+        axes.barh(row, share, color=colour, height=0.7)
+        for k in range(1, many + 1):
+            y = row - 0.35 + 0.7 * k / (many + 1)
+            axes.plot([0, share], [y, y], color="white", linewidth=1.2, solid_capstyle="butt")
 
 
 def _gait_before(figure: Figure, model: ForwardModel) -> Axes:

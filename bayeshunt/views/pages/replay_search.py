@@ -16,7 +16,7 @@ from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import theme
 from bayeshunt.views.pages.page import number
 
-__all__ = ["asked_again", "colours", "considered", "realised", "whiskers"]
+__all__ = ["asked_again", "colours", "considered", "realised", "stripes", "whiskers"]
 
 _TENTHS = 10_000.0  # 0.1 mm and 0.1 mrad are finer than a screen can show
 
@@ -95,6 +95,18 @@ def whiskers(rests: AnswerCells | None) -> list[list[Any]] | None:
 
 def colours(episode: Episode) -> dict[str, str]:
     """Return the name of the colour of each gait executed, by how it turned the hunter."""
+    turns = _turns(episode)
+    return {gait: f"{side}-{rank}" for gait, (side, rank) in zip(turns, theme.gait_names(turns.values()), strict=True)}
+
+
+def stripes(episode: Episode) -> dict[str, int]:
+    """Return the stripes of those gaits that share their colour with another."""
+    turns = _turns(episode)
+    return {gait: many for gait, many in zip(turns, theme.gait_stripes(turns.values()), strict=True) if many}
+
+
+def _turns(episode: Episode) -> dict[str, float]:
+    """By how much each gait executed turned the hunter on average [rad clockwise], halved."""
     frame, trail = episode.frame, episode.trail
     if trail.empty:
         return {}
@@ -104,5 +116,4 @@ def colours(episode: Episode) -> dict[str, str]:
     turns: dict[str, list[float]] = {}
     for gait, turned in zip(frame["gait"].tolist(), np.diff(at).tolist(), strict=True):
         turns.setdefault(str(gait), []).append(float(wrap(-turned)) / 2)
-    means = {gait: float(np.mean(values)) for gait, values in turns.items()}
-    return {gait: f"{side}-{rank}" for gait, (side, rank) in zip(means, theme.gait_names(means.values()), strict=True)}
+    return {gait: float(np.mean(values)) for gait, values in turns.items()}
