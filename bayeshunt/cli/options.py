@@ -143,7 +143,7 @@ def read_experiment(
 
 def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
     """The shipped experiment, ``changes`` made, whose robot a model is of; the default, then the testbed come first."""
-    from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, preset_names
+    from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment, load_robot, preset_names
     from bayeshunt.experiments.preparation import check_model
     from bayeshunt.models.formats.interchange import open_model
 
@@ -153,17 +153,26 @@ def _experiment_of(path: Path, changes: dict[str, Any]) -> Any:
         with contextlib.suppress(InputError):
             check_model(forward, settings)
             return settings
+    names = forward.gaits.names
+    near = next((name for name in preset_names("robots") if load_robot(name).gaits.names == names), None)
+    hint = "" if near is None else f", as robot {near} has: --set robot={near}"
     raise InputError(
-        f"{path}: no preset has the robot that this model is of (gaits {', '.join(forward.gaits.names)}); "
+        f"{path}: no preset has the robot that this model is of (gaits {', '.join(names)}{hint}); "
         "say the experiment with --preset or --config"
     )
 
 
-def evaluate_words(preset: str | None, config: Path | None) -> str:
-    """The start of an evaluate line that runs the experiment of this command."""
+def evaluate_words(preset: str | None, config: Path | None, overrides: list[str] | None = None) -> str:
+    """The start of an evaluate line that runs the experiment of this command, with its robot in its arenas."""
+    words = ["bayeshunt", "evaluate"]
     if config is not None:
-        return f"bayeshunt evaluate --config {shlex.quote(str(config))}"
-    return "bayeshunt evaluate" if preset is None else f"bayeshunt evaluate --preset {shlex.quote(preset)}"
+        words += ["--config", str(config)]
+    elif preset is not None:
+        words += ["--preset", preset]
+    for change in overrides or ():
+        if change.split("=")[0].split(".")[0].strip() in ("robot", "world", "arenas"):
+            words += ["--set", change]
+    return shlex.join(words)
 
 
 def say_chosen(settings: Any, preset: str | None, config: Path | None, model: Path | None) -> None:

@@ -57,7 +57,7 @@ def reference(
         )
     table.save(out)
     facts = {"out": str(out), "states": int(table.values.size), "digest": table.facts["digest"]}
-    following = evaluate_words(preset, config)
+    following = evaluate_words(preset, config, overrides)
     tell(facts, as_json, f"{out}: {facts['states']} relative poses; next: {following} --planner reference "
          f"--set {shlex.quote(f'planner.reference.table={out}')}")  # fmt: skip
 
@@ -94,7 +94,7 @@ def remember(
         memory = memories.remember(settings, arenas=arena, planner=planner, runs=runs, seed=seed, progress=advance)
     memory.save(out)
     facts = {"out": str(out), "transitions": memory.observations, **memory.provenance}
-    following = evaluate_words(preset, config)
+    following = evaluate_words(preset, config, overrides)
     tell(facts, as_json, f"{out}: {memory.observations} transitions; next: {following} --planner memory_place "
          f"--set {shlex.quote(f'planner.memory_place.tables={out}')}")  # fmt: skip
 
@@ -136,7 +136,7 @@ def explore(
     if space is not None:
         visited, hit = (int((table > 0).sum()) for table in (space.visits, space.hits))
         facts |= {"cell_m": space.cell, "cells_visited": visited, "cells_hit": hit}
-    following = evaluate_words(preset, config)
+    following = evaluate_words(preset, config, overrides)
     tell(facts, as_json, f"{out}: {_shown(walls, steps)}\n"
          f"next: {following} --planner intercept_walls --arena {shlex.quote(arena)} "
          f"--set {shlex.quote(f'planner.intercept_walls.room={out}')}")  # fmt: skip

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from bayeshunt.config.schema import ExperimentSettings, RobotSettings
+from bayeshunt.config.schema.drives import drive_names
 from bayeshunt.config.schema.legs import LegGait, LeggedSettings
 from bayeshunt.config.schema.mujoco import MujocoGait, MujocoSettings
 from bayeshunt.core.errors import ConfigError, did_you_mean
@@ -18,7 +19,8 @@ __all__ = ["describe", "keys_at", "keys_ending_in"]
 def describe(kind: str) -> list[dict[str, Any]]:
     """Return every key of an "experiment" or "robot" settings file: key, range, default, meaning.
 
-    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1").
+    range: what it takes, in the words of ``bayeshunt planners NAME`` ("text", "whole number >= 1"). A key of a robot
+    that another kind of body takes with another range, default or meaning has a row for each, which names the kind.
     Raises ConfigError for another kind.
     """
     kinds: dict[str, type[BaseModel]] = {"experiment": ExperimentSettings, "robot": RobotSettings}
@@ -26,12 +28,16 @@ def describe(kind: str) -> list[dict[str, Any]]:
         near = did_you_mean(kind, kinds, listed=False) or "; expected experiment or robot"
         raise ConfigError(f"unknown kind of settings {kind!r}{near}")
     keys = list(_describe(kinds[kind], ""))
-    for prefix, drive in _LEGS if kind == "robot" else ():
-        known = {key["key"] for key in keys}
-        keys += [key for key in _describe(drive, prefix) if key["key"] not in known]
+    if kind == "robot":
+        for prefix, drive in _LEGS:
+            keys += [key for key in _describe(drive, prefix) if key not in keys and key["key"] != _DRIVE]
+        next(key for key in keys if key["key"] == _DRIVE)["range"] = " | ".join(drive_names())
+        groups = list(dict.fromkeys(key["key"].split(".")[0] for key in keys))
+        keys.sort(key=lambda key: groups.index(key["key"].split(".")[0]))
     return keys
 
 
+_DRIVE = "body.drive"
 #: Settings that only bodies on legs, and those in MuJoCo, have, and where they stand in a robot's file.
 _LEGS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("body.", LeggedSettings), ("gait[].", LegGait), ("body.", MujocoSettings), ("gait[].", MujocoGait),
@@ -94,6 +100,8 @@ def _range(schema: dict[str, Any]) -> str:
         return " | ".join(map(str, schema["enum"]))
     if "anyOf" in schema:
         return " or ".join(_range(option) for option in schema["anyOf"])
+    if schema.get("type") == "array":
+        return _list_range(schema)
     low = schema.get("minimum", schema.get("exclusiveMinimum"))
     high = schema.get("maximum", schema.get("exclusiveMaximum"))
     limits = []
@@ -102,3 +110,15 @@ def _range(schema: dict[str, Any]) -> str:
     if high is not None and high < 1e6:
         limits.append(f"{'<=' if 'maximum' in schema else '<'} {high:g}")
     return f"{_TYPES[schema.get('type')]} {', '.join(limits)}".rstrip()
+
+
+def _list_range(schema: dict[str, Any]) -> str:
+    """The same of a list: how many of what, where its items are numbers or lists of them."""
+    item = schema["prefixItems"][0] if "prefixItems" in schema else schema.get("items", {})
+    inside = _range(item) if item.get("type") in ("number", "integer", "array") else ""
+    if not inside:
+        return "list"
+    low, high = schema.get("minItems"), schema.get("maxItems")
+    many = "" if high is None else f" {high}" if low == high else f" {low} to {high}" if low else f" up to {high}"
+    one, space, limits = inside.partition(" ") if item["type"] != "integer" else ("whole number", "", "")
+    return f"list of{many} {one}s{space}{limits}"

@@ -41,6 +41,7 @@ def test_a_model_that_no_preset_knows(bayeshunt):
     for command in (["hunt"], ["evaluate"], ["figures", "--out", "figures"]):
         _, err = bayeshunt(*command, "--model", "car.json", status=2)
         assert err.startswith("bayeshunt: car.json: no preset has the robot that this model is of (gaits ")
+        assert ", as robot car has: --set robot=car); " in err
         assert err.endswith("; say the experiment with --preset or --config\n")
         assert err.count("\n") == 1
     # a change that makes it the model's robot is enough
@@ -52,3 +53,4 @@ def test_what_comes_next_names_the_experiment(bayeshunt):
     few = ["--steps", "20", "--set", "model.babbling_steps=200", "--out", "room.json"]
     assert "next: bayeshunt evaluate --planner intercept_walls" in bayeshunt("explore", *few)[0]
     assert "next: bayeshunt evaluate --preset paper --planner" in bayeshunt("explore", "--preset", "paper", *few)[0]
+    assert "next: bayeshunt evaluate --set robot=car --planner" in bayeshunt("explore", "--set", "robot=car", *few)[0]

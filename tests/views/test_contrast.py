@@ -111,7 +111,16 @@ def test_gaits_of_one_side_differ_and_go_by_how_much_they_turn(khepera_model) ->
         f"var(--bh-right-{i})" for i in range(4)
     ]
     assert {names["straight"], names["slow straight"]} == {"var(--bh-straight-0)", "var(--bh-straight-1)"}
+    assert theme.stripes(khepera_model) == [0] * 10
     assert theme.gait_names([math.nan, 0.3, 0.1, *[0.2] * 3])[:3] == [("straight", 0), ("right", 0), ("right", 0)]
+
+
+def test_more_gaits_than_colours_are_told_apart_by_stripes() -> None:
+    turns = [0.0, 0.01, -0.02, 0.03, 0.04, *[0.1 * k for k in range(1, 10)], *[-0.1 * k for k in range(1, 10)]]
+    looks = list(zip(theme.gait_names(turns), theme.gait_stripes(turns), strict=True))
+    assert len(set(looks)) == len(turns)
+    assert looks[:5] == [(("straight", 0), 0), (("straight", 1), 0), (("straight", 0), 1), (("straight", 1), 1),
+                         (("straight", 0), 2)]  # fmt: skip
 
 
 def test_no_heading_is_empty_and_what_scrolls_has_a_name(thing) -> None:

@@ -56,6 +56,10 @@ def test_a_sweep_over_two_axes_is_whole(lines):
     )  # fmt: skip
     frame.attrs = {"axes": ["noise", "gait_duration"], "experiment": "paper", "seed": 0, "note": ""}
     shown = lines(terminal.sweep_table, frame)
+    frame.attrs["scaled"] = "Arenas and prey are drawn to mine."
+    drawn = lines(terminal.sweep_table, frame)
+    assert " ".join(drawn[: len(drawn) - len(shown)]).split() == frame.attrs["scaled"].split()
+    assert drawn[len(drawn) - len(shown) :] == shown
     assert_stand_in_one_line(shown, "0.5", "3.328")
     assert_stand_in_one_line(shown, "7/140", "5.0", f"{100 * low:.1f} to {100 * high:.1f}", "57.2")
 

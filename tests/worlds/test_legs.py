@@ -190,6 +190,12 @@ def test_every_key_of_legs_is_described():
     assert {"body.length", "body.width", "body.legs.tilt_time", "gait[].phase", "gait[].duty"} <= set(keys)
     assert keys["body.legs.friction"]["default"] == 0.8
     assert all(key["meaning"] for key in keys.values())
+    assert keys["body.drive"]["range"] == "differential | car | legs | mujoco"
+    assert keys["gait[].stroke"]["range"] == "list of 2 numbers >= -1.5708, <= 1.5708"
+    assert keys["body.legs.x"]["range"] == "list of 1 to 10 numbers"
+    assert keys["body.hips"]["range"] == "list of lists of 2 numbers"
+    steps = [(key["range"], key["default"]) for key in describe("robot") if key["key"] == "body.step"]
+    assert steps == [("number > 0, <= 0.05", 0.008), ("number > 0, <= 0.01", 0.002)]  # on legs, and in MuJoCo
 
 
 def test_legs_hunt():

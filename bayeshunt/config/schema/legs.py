@@ -58,7 +58,7 @@ class LeggedSettings(DiscSettings):
     """A body on legs. Its collision disc, ``diameter``, can be smaller or larger than the body is long."""
 
     drive: Literal["legs"] = Field("legs", description="how commands move the body")
-    diameter: Positive = Field(0.20, description="diameter of the disc that collides [m]")
+    diameter: Positive = Field(0.20, description="diameter of the disc that collides [m] (legs)")
     length: Positive | None = Field(None, description="one body length [m]; by default the diameter (legs)")
     width: Positive = Field(0.10, description="of the trunk [m] (legs)")
     mass: Positive = Field(1.2, description="of the trunk [kg] (legs)")

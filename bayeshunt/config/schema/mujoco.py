@@ -23,7 +23,9 @@ class MujocoSettings(DiscSettings):
     model: str = Field(
         "puppy", min_length=1, description="its MJCF: puppy, or the path of a file with a body trunk (mujoco)"
     )
-    diameter: Positive = Field(0.20, description="diameter of the disc that it needs free around it at the start [m]")
+    diameter: Positive = Field(
+        0.20, description="diameter of the disc that it needs free around it at the start [m] (mujoco)"
+    )
     length: Positive | None = Field(None, description="one body length [m]; by default the diameter (mujoco)")
     hips: tuple[tuple[Finite, Finite], ...] = Field(
         (), description="where legs are drawn: ahead and to the left of the body's centre [m] (mujoco)"

@@ -85,7 +85,13 @@ def routes(
                 found += _hunts(settings, arena, room, known, runs, hunt_seed(seed, number, amount), progress)
         rows.append({"map": kind, "amount": amount, **_summary(pd.DataFrame(found))})
     frame = pd.DataFrame(rows)
-    frame.attrs = {"experiment": settings.name, "note": settings.note, "seed": int(seed), "maps": int(maps)}
+    frame.attrs = {
+        "experiment": settings.name,
+        "scaled": settings.scaled,
+        "note": settings.note,
+        "seed": int(seed),
+        "maps": int(maps),
+    }
     return frame
 
 

@@ -93,7 +93,13 @@ def sweep(
         totals = [row for row in summarise(results, point) if row["theta"] is None]
         rows += [{**values, **row, **_mean_time(results, row)} for row in totals]
     frame = pd.DataFrame(rows, columns=[*grid, *COLUMNS])
-    frame.attrs = {"axes": list(grid), "seed": int(seed), "experiment": settings.name, "note": settings.note}
+    frame.attrs = {
+        "axes": list(grid),
+        "seed": int(seed),
+        "experiment": settings.name,
+        "scaled": settings.scaled,
+        "note": settings.note,
+    }
     return frame
 
 

@@ -84,8 +84,8 @@ def tradeoff(
         rows.append({"planner": planner, "weight": weight, "value": value}
                     | _summary(hunts, weights, planning_time(point, model, planner, arena, seed)))  # fmt: skip
     frame = pd.DataFrame(rows)
-    frame.attrs = {"experiment": settings.name, "note": settings.note, "seed": int(seed), "arena": arena,
-                   "weights": vars(weights).copy()}  # fmt: skip
+    frame.attrs = {"experiment": settings.name, "scaled": settings.scaled, "note": settings.note, "seed": int(seed),
+                   "arena": arena, "weights": vars(weights).copy()}  # fmt: skip
     return frame
 
 

@@ -157,7 +157,9 @@ def network(model: ForwardModel) -> Figure:
 
 def _gait_bars(axes: Axes, model: ForwardModel, shares: np.ndarray) -> None:
     """A bar for each gait, striped where it shares its colour with another."""
-    for row, (share, colour, many) in enumerate(zip(shares, theme.gait_colours(model), theme.stripes(model), strict=True)):
+    for row, (share, colour, many) in enumerate(
+        zip(shares, theme.gait_colours(model), theme.stripes(model), strict=True)
+    ):
         axes.barh(row, share, color=colour, height=0.7)
         for k in range(1, many + 1):
             y = row - 0.35 + 0.7 * k / (many + 1)

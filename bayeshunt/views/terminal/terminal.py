@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from datetime import timedelta
 from typing import Any
 
@@ -88,8 +88,7 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
         *places, "caught", "success %", "95 % interval", "mean s", *beside, *spent,
         title=f"{facts['experiment']}, seed {facts['seed']}",
     )  # fmt: skip
-    if facts.get("scaled"):
-        out.print(Text(facts["scaled"]))
+    _scaled(facts)
     previous = None
     for row in chosen:
         total = row["theta"] is None
@@ -115,6 +114,12 @@ def success_table(facts: dict[str, Any], *, per_theta: bool = False) -> None:
     out.print("Intervals are 95 % Wilson. A miss counts as the time limit in the mean time.", style="dim")
     if measured:
         out.print("J, changes, falls: energy, changes of gait and falls, each the mean of a hunt.", style="dim")
+
+
+def _scaled(facts: Mapping[str, Any]) -> None:
+    """Say at the head of a table that arenas and prey were drawn to another hunter."""
+    if facts.get("scaled"):
+        out.print(Text(facts["scaled"]))
 
 
 def _spent(row: dict[str, Any]) -> list[str]:
@@ -178,6 +183,7 @@ def settings_table(rows: list[dict[str, Any]]) -> None:
 
 def sweep_table(frame: Any) -> None:
     """Print a sweep: one row per point, planner and arena."""
+    _scaled(frame.attrs)
     axes = frame.attrs["axes"]
     table = TextTable(
         *map(folding, axes), folding("planner", 15), word("arena"), "caught", "success %", "95 % interval", "mean s",
@@ -200,6 +206,7 @@ def sweep_table(frame: Any) -> None:
 
 def routes_table(frame: Any) -> None:
     """Print which side was chosen, against how well the arena was known."""
+    _scaled(frame.attrs)
     table = TextTable(
         word("map"), "hunts", "chose", "right", "95 %", "reached", "mean s",
         title="{experiment}, seed {seed}, {maps} maps an arena".format(**frame.attrs),
@@ -219,6 +226,7 @@ def routes_table(frame: Any) -> None:
 
 def tradeoff_table(frame: Any) -> None:
     """Print a trade-off: one row per planner and weight."""
+    _scaled(frame.attrs)
     table = TextTable(
         folding("planner", 10), folding("varied", 11), "caught", "95 %", "s", "m", "changes", "ms",
         *(["J"] if "mean_energy_j" in frame else []), "cost",
