@@ -194,3 +194,7 @@ def test_a_robot_whose_touches_cannot_be_told_has_the_walls_of_the_hull(khepera_
     assert 2 <= len(room.offsets) <= 8  # the sides that it has met, and lines that join them
     assert room.offsets.max() == pytest.approx(0.57, abs=0.02)
     assert (room.blocked * 0.057 >= 2.0 * room.lengths).all()  # as dense as no hull in the open
+    stumble = Contacts(np.zeros((1, 2)), np.array([[1.0, 0.0]]), np.ones(1, dtype=bool))
+    monkeypatch.setattr("bayeshunt.models.arena.rooms.find_contacts", lambda *given: stumble)
+    again = RoomModel.fit(track, khepera_model)  # what it touched is of no wall
+    assert again.offsets.tolist() == room.offsets.tolist()

@@ -80,8 +80,8 @@ class RoomModel(displays.Displayed):
         part-way pose, ordered, in the starting frame. model: tells where each gait leads in the open.
         A wall is where the hunter was stopped, and shows itself at the first touch: see
         :mod:`~bayeshunt.models.arena.contacts`. A model without part-way poses does not tell a touch, nor can one be
-        told in the gaits of a robot that trips; then walls are the long edges of the convex hull of all poses at which
-        steps were held up.
+        told in the gaits of a robot that trips, or is stopped by its legs more than by walls; then walls are the long
+        edges of the convex hull of all poses at which steps were held up.
 
         Raises DataError if a column is missing, a number is not finite or the robot hardly moved; InputError
         for a gait that ``model`` does not know.
@@ -97,10 +97,10 @@ class RoomModel(displays.Displayed):
         body, held = model.gaits.need("body_length"), _held_up(track, model)
         contacts = find_contacts(track, held, model)
         walls: Sequence[Wall] = _merge(_edges(_hull(places)), places[held], body)
-        if contacts is not None and len(contacts.places):
-            walls = find_walls(contacts, walls, places, body)
-        elif contacts is not None:  # one that trips is held up in the open as well, but hardly ever along one line
-            walls = [wall for wall in walls if wall[4] * body >= _DENSE * wall[3]]
+        if contacts is not None:
+            touched = find_walls(contacts, walls, places, body) if len(contacts.places) else []
+            # one that trips is held up in the open as well, but hardly ever along one line
+            walls = touched or [wall for wall in walls if wall[4] * body >= _DENSE * wall[3]]
         table = np.array(walls, dtype=float).reshape(-1, 5)
         provenance = dict(track.attrs.get(PROVENANCE_KEY, {}))
         space = FreeSpace.count(places, contacts, body)
