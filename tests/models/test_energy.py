@@ -101,6 +101,10 @@ def test_rows_without_energy_say_so(khepera_model, model, tmp_path):
         model.energy("gallop")
     khepera_model.save(tmp_path / "m.json")
     assert '"energy"' not in (tmp_path / "m.json").read_text()
+    assert [path.name for path in khepera_model.to_csv(tmp_path)][-1] == "heading.csv"
+    assert [path.name for path in model.to_csv(tmp_path)][-1] == "costs.csv"
+    read = pd.read_csv(tmp_path / "costs.csv").assign(previous_gait=model.energy()["previous_gait"])
+    pd.testing.assert_frame_equal(read, model.energy(), check_dtype=False)
 
 
 def test_it_is_shown_in_card_text_and_query(model, bayeshunt, tmp_path):

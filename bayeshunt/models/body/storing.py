@@ -65,8 +65,12 @@ class WritableModel(OpenTables, ABC):
         return cls.over(*model_file.loads(text, name))
 
     def to_csv(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write every table as CSV, a row per cell with count and interval; see ``models.formats.csv``."""
-        return csv.write(self.cells, folder, ("Gait", *self.structure.effects))
+        """Write every table as CSV, a row per cell with count and interval; see ``models.formats.csv``.
+
+        Where the rows say what gaits cost, costs.csv has :meth:`energy`.
+        """
+        paths = csv.write(self.cells, folder, ("Gait", *self.structure.effects))
+        return [*paths, *csv.write(lambda _: self.energy(), folder, ("costs",))] if self.knows_energy else paths
 
     def cells(self, variable: str) -> pd.DataFrame:
         """Return a table as one row per cell, as :meth:`to_csv` writes it; gaits vary slowest.
