@@ -15,8 +15,9 @@ const unitOf = (objective) => (/\[(.+)\]$/.exec(objective) || ["", ""])[1];
 /* What a plan promised and what came, in words; "" where nobody can say. */
 function promise(step) {
   if (step.realised === null || step.value === null) return "";
-  const [plan, real] = [step.value, step.realised].map((value) => Number(value.toPrecision(3)));
-  return `${plan} / ${real} ${unitOf(step.objective)}`;
+  const unit = unitOf(step.objective), far = unit === "mm" && Math.max(step.value, step.realised) >= 999.5;
+  const [plan, real] = [step.value, step.realised].map((value) => Number((far ? value / 1000 : value).toPrecision(3)));
+  return `${plan} / ${real} ${far ? "m" : unit}`;
 }
 
 class Lanes {
