@@ -41,6 +41,7 @@ class Legs(Drive):
     """
 
     __slots__ = (
+        "_bearing",
         "_belly",
         "_clock",
         "_count",
@@ -105,6 +106,7 @@ class Legs(Drive):
         self._standing = 0  # bit i: foot i is down
         self._tilt = (0.0, 0.0, 0.0)
         self._settling = min(1.0, self._dt / legs.tilt_time)
+        self._bearing = (legs.tilt_margin, legs.tilt_scale, legs.belly_friction)
         self._clock = self._belly = self._frequency = 0.0
         self._unmeasured = 0
         self._duty, self._mask, self._lying = 0.5, -1, 0
@@ -204,11 +206,11 @@ class Legs(Drive):
 
     def _bear(self, mask: int) -> None:
         """Share the weight among the feet that are down and, as far as the load lies outside them, the belly."""
-        legs = self.settings.legs
+        margin, scale, friction = self._bearing
         shares, (ahead, left, up) = self._supports[mask]
         share, (x, y, z) = self._settling, self._tilt
         x, y, z = self._tilt = x + share * (ahead - x), y + share * (left - y), z + share * (up - z)
-        belly = (sqrt(x * x + y * y + z * z) - legs.tilt_margin) / legs.tilt_scale
+        belly = (sqrt(x * x + y * y + z * z) - margin) / scale
         belly = 0.0 if belly < 0.0 else _LYING if belly > _LYING else belly
         if belly == _LYING:
             self._lying += 1
@@ -221,7 +223,7 @@ class Legs(Drive):
         weight = self._weight * (1.0 - belly)
         for load, grip, share in zip(self._feet, self._grip, shares, strict=True):
             load(grip * share * weight)
-        rubbing = legs.belly_friction * belly * self._weight
+        rubbing = friction * belly * self._weight
         self._frame.belly.maxForce = rubbing
         self._frame.belly.maxTorque = 0.25 * rubbing  # of a pressure spread along one body length
 
