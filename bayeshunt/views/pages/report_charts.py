@@ -112,7 +112,8 @@ def time_charts(
     charts, limit = [], settings.protocol.time_limit
     for arena, hunts in results.groupby("arena", sort=False):
         x, y = Scale(0.0, limit, _LEFT, WIDTH - _RIGHT), Scale(0.0, 1.0, HEIGHT - _BOTTOM, _TOP)
-        ticks = [(at, f"{at:g}") for at in (round(limit * i / 6, 6) for i in range(7))]
+        parts = next((n for n in (6, 5, 4) if float(limit / n).is_integer()), 6)  # whole seconds where they can be
+        ticks = [(at, f"{at:.3g}") for at in (limit * i / parts for i in range(parts + 1))]
         chart = _frame(f"Share caught by time, {arena} arena", x, y, ticks, _percent_ticks())
         chart |= {"arena": str(arena), "x_label": "time since the start [s]", "y_label": "caught by then"}
         chart["series"] = [
