@@ -126,7 +126,7 @@ def test_files_and_copies_bring_it_back(model, frame, tmp_path):
     assert np.array_equal(again.local_tables["Energy"], model.local_tables["Energy"])
     assert again.with_data(frame.copy()).uses(7)["variable"].tolist()[-1] == "Energy"
     names = {path.name for path in model.to_csv(tmp_path)}
-    assert names == {"gait.csv", "distance.csv", "angle.csv", "heading.csv", "energy.csv"}
+    assert names == {"gait.csv", "distance.csv", "angle.csv", "heading.csv", "energy.csv", "costs.csv"}
     model.to_xmlbif(tmp_path / "m.xmlbif")
     back = bh.import_network(tmp_path / "m.xmlbif")
     assert back.structure.edges == model.structure.edges
