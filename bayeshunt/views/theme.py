@@ -18,8 +18,8 @@ from bayeshunt.core.geometry import wrap
 from bayeshunt.models.body.forward import ForwardModel
 
 __all__ = [
-    "COLOURS", "GAITS", "PLANNERS", "gait_colours", "gait_names", "gait_stripes", "gait_variables", "palette", "stripes",
-    "style",
+    "COLOURS", "GAITS", "PLANNERS", "gait_colours", "gait_names", "gait_stripes", "gait_variables", "palette",
+    "stripes", "style",
 ]  # fmt: skip
 
 #: Light and dark values of every colour by its meaning; heat and glow as red, green, blue.
