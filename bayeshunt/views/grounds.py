@@ -33,6 +33,7 @@ __all__ = [
     "rows",
     "snapped",
     "support",
+    "value_within",
     "within",
 ]
 

@@ -259,4 +259,4 @@ def test_the_gait_known_separates_the_effects(open_page, saved):
 def test_it_fits_a_phone(open_page, saved):
     page, _ = open_page(saved, viewport={"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    assert page.get_by_text("from Gait").first.is_visible()
+    page.get_by_text("from Gait").first.wait_for(state="visible")

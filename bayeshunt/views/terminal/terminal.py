@@ -150,7 +150,7 @@ def episode_table(episode: Any) -> None:
     from bayeshunt.views.grounds import value_within
 
     table = TextTable(
-        "step", "time", "prey at", "bearing", "aims at", word("gait"), "value", "moves seen",
+        "step", "time", "prey at", "bearing", "aims at", word("gait"), "value", "moves",
         title="{planner} in {arena}, theta {theta:g}, seed {seed}".format(**episode.provenance),
     )  # fmt: skip
     sures = value_within(episode)
@@ -162,7 +162,7 @@ def episode_table(episode: Any) -> None:
     if len(episode.frame):
         what = objective(0.0, episode.frame["objective"].iloc[0])[1]
         sure = " (95 % interval)" if any(sures) else ""
-        out.print(f"value: {what}{sure}. moves seen: prey transitions learned so far.", style="dim")
+        out.print(f"value: {what}{sure}. moves: prey transitions learned so far.", style="dim")
     else:
         out.print("no decision was made: the prey starts within the catch distance.", style="dim")
     if len(episode.frame) and episode.frame["target_distance"].notna().any():
