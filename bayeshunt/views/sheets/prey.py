@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from functools import partial
 from typing import Any
 
@@ -108,12 +109,17 @@ def prey_table(prey: PreyModel) -> Table:
     frame = _seen(prey)
     columns = (frame[name].tolist() for name in ("probability", "count", "low", "high"))
     rows = [
-        [*map(label, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
+        [*map(_short, bins), f"{p:.3f}", _count(n), f"{low:.3f} to {high:.3f}"]
         for bins, p, n, low, high in list(zip(frame.index, *columns, strict=True))[:MOST_ROWS]
     ]
     rest = len(frame) - len(rows)
     more = f"and {rest} rarer cells" if rest else ""
     return Table(["Distance", "Angle", "Heading", "P", "count", "95 % interval"], rows, left_out=more, most=_PRINTED)
+
+
+def _short(bin_name: str) -> str:
+    """A bin as people read it; bounds of more than three decimals, of bins that rows have chosen, to three digits."""
+    return re.sub(r"\d+\.\d{4,}", lambda found: f"{float(found.group()):.3g}", label(bin_name))
 
 
 def _count(number: float) -> str:
