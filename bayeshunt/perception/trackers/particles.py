@@ -23,9 +23,6 @@ from bayeshunt.perception.trackers.sightings import Eye
 
 __all__ = ["ParticleTracker"]
 
-#: A prey whose heading was not seen at the start is taken to go away from the hunter, give or take [rad]: the worst
-#: case. Chosen on seeds from 1000; where it goes another way, the first frames say so.
-_AWAY_SPREAD = 0.8
 #: A sighting that the particles explain less than this, against a false one, brings new ones.
 _UNEXPLAINED = 0.3
 #: New particles: their share of all, and of the weight.
@@ -78,7 +75,7 @@ class ParticleTracker:
         rng = np.random.default_rng(0)
         frame = observation.frames[-1] if observation.frames else Frame(observation.time, observation.pose)
         if seen := self.context.start == "shown" and bool(frame.detections):
-            cloud = self._born(frame.detections[0], frame.pose, self.count, self.motion, rng, first=True)
+            cloud = self._born(frame.detections[0], frame.pose, self.count, self.motion, rng)
         else:
             cloud, seen = self._weighed(self._anywhere(rng), frame, self.motion, 0.0, rng)
         return ParticleBelief(
@@ -121,18 +118,10 @@ class ParticleTracker:
 
     def _born(
         self, detection: Detection, own: Pose, count: int, motion: PreyMotion, rng: np.random.Generator, *,
-        first: bool = False, elapsed: float = 0.0,
+        elapsed: float = 0.0,
     ) -> Cloud:  # fmt: skip
-        """Particles about a sighting. ``first``: of a hunt, when the prey is taken to go away from the hunter.
-
-        elapsed: seconds since the time-step began; they are taken to have come straight.
-        """
+        """Particles about a sighting, ``elapsed`` [s] into the time-step; they are taken to have come straight."""
         pose = self.eye.places(detection, own, count, rng)
-        seen = self.eye.measured(detection, own).seen
-        assert seen is not None
-        if first and math.isnan(seen.heading):
-            away = np.arctan2(pose.y - own.y, pose.x - own.x) + rng.normal(0.0, _AWAY_SPREAD, count)
-            pose = pose._replace(theta=np.asarray(wrap(away)))
         cloud = Cloud.at(pose, motion.speeds(count, rng), motion.stands(count, rng), sightings=1.0)
         come = np.where(cloud.still, 0.0, cloud.speed * elapsed)
         return replace(cloud, from_x=pose.x - come * np.cos(pose.theta), from_y=pose.y - come * np.sin(pose.theta))

@@ -8,10 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayeshunt.core.geometry import FloatArray, Pose, wrap
+from bayeshunt.core.protocols import MovingBelief
+from bayeshunt.perception.trackers.cloud import systematic
 from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures
 
-__all__ = ["Start", "sampled_futures"]
+__all__ = ["Start", "going_away", "sampled_futures"]
+
+#: So many draws for each that is kept, where only those that go away are wanted.
+_DRAWS = 16
 
 #: Straight runs of a path in a room, and in the open: there one turn.
 _LEGS, _OPEN_LEGS = 6, 2
@@ -29,6 +34,20 @@ class Start:
     speed: FloatArray
     turn_at: FloatArray
     turn: FloatArray
+
+
+def going_away(
+    belief: MovingBelief, count: int, own: Pose, spread: float, rng: np.random.Generator
+) -> tuple[Pose[FloatArray], FloatArray]:
+    """Return ``count`` poses and speeds [m/s] of a belief, of those that go away from ``own``.
+
+    spread: radians, the standard deviation of their headings about straight away.
+    """
+    pose, speed = belief.sample_motion(_DRAWS * count, rng=rng)
+    off = np.asarray(wrap(pose.theta - np.arctan2(pose.y - own.y, pose.x - own.x)))
+    square = np.square(off / spread)
+    chosen = systematic(np.exp(-0.5 * (square - square.min())), count, rng)
+    return Pose(*(part[chosen] for part in pose)), speed[chosen]
 
 
 def sampled_futures(start: Start, own: Pose, walls: Walls | None) -> Futures:

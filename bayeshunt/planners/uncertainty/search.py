@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,6 +15,7 @@ from bayeshunt.core.protocols import Belief, MovingBelief
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.models.target.turns import TurnModel
+from bayeshunt.perception.trackers.common import LEAST_RESULTANT
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
 from bayeshunt.planners.interception.futures import Futures
@@ -24,7 +26,7 @@ from bayeshunt.planners.requests import check_request
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 from bayeshunt.planners.uncertainty.obstructed import Obstructed
 from bayeshunt.planners.uncertainty.opened import trace
-from bayeshunt.planners.uncertainty.sampled import Start, sampled_futures
+from bayeshunt.planners.uncertainty.sampled import Start, going_away, sampled_futures
 from bayeshunt.planners.uncertainty.sight import sight
 from bayeshunt.planners.uncertainty.weighing import Price, Weighing
 
@@ -43,6 +45,12 @@ class SearchSettings(RoomSettings):
         ge=0,
     )
     most_price: Number = setting(12.0, "and at most so many seconds", ge=0)
+    away: Number = setting(
+        0.5,
+        "until the prey's motion or heading was seen it is taken to go away from the hunter, which is the worst case, "
+        "give or take so many radians",
+        gt=0,
+    )
     stuck: Number = setting(1.6, "what running into a known obstacle costs, in legs", ge=0)
 
 
@@ -61,6 +69,9 @@ class SearchPlanner(InterceptWallsPlanner):
     T: expected time of capture [s]; s: probability of seeing the prey in the step; lost(k): ``price`` times the
     distance of future k from the middle of all, over the hunter's top speed. So nothing is paid where the prey is as
     good as known, and looking is worth most where the belief is spread out.
+
+    A prey that was shown, but of whose heading and motion nothing was seen, may go anywhere; the decision is then taken
+    for the worst case, that it goes away. The belief itself is not: what is then seen, or not, is weighed against all.
 
     Where the hunter has touched something inside its room, gaits that lead into it are stopped, and beyond the second
     one the way goes round it (:class:`~bayeshunt.planners.uncertainty.obstructed.Obstructed`). Walls are those of its
@@ -123,7 +134,10 @@ class SearchPlanner(InterceptWallsPlanner):
         own = Pose(0.0, 0.0, 0.0) if situation.pose is None else situation.pose
         count, known = self.settings.samples, self.prey(situation)
         if isinstance(belief, MovingBelief):
-            pose, speed = belief.sample_motion(count, rng=rng)
+            if _only_shown(situation):
+                pose, speed = going_away(belief, count, own, self.settings.away, rng)
+            else:
+                pose, speed = belief.sample_motion(count, rng=rng)
         else:
             one = own.compose(situation.prey)
             parts = belief.sample(count, rng=rng) if isinstance(belief, Belief) else one
@@ -153,6 +167,14 @@ class SearchPlanner(InterceptWallsPlanner):
 def _seen_moving(situation: Situation) -> bool:
     """Whether anything of the prey's motion has been observed."""
     return bool(situation.transitions) or getattr(getattr(situation.belief, "motion", None), "steps", 0.0) > 0.0
+
+
+def _only_shown(situation: Situation) -> bool:
+    """Whether the prey has been seen, but neither its heading nor any motion of it."""
+    belief = situation.belief
+    if not isinstance(belief, Belief) or _seen_moving(situation):
+        return False
+    return math.isfinite(belief.last_seen) and belief.resultant < LEAST_RESULTANT
 
 
 #: The planner by the name that it is registered under.
