@@ -64,6 +64,13 @@ def test_a_prey_that_is_seen_is_followed_and_its_heading_and_transitions_learned
     assert belief.motion.hazard < 0.1  # the prior: nothing has turned
 
 
+def test_a_prey_that_was_shown_without_its_heading_may_go_any_way():
+    mind = tracker()
+    belief = mind.start(Observation(0.0, HERE, (frame(mind, 0.0, (0.3, 0.1)),)))
+    assert belief.resultant < 0.1
+    assert belief.mean.theta == pytest.approx(math.atan2(0.1, 0.3), abs=0.05)  # away: the best guess for who needs one
+
+
 def test_a_sure_belief_draws_what_it_says():
     belief = watch(tracker(), walk(7))
     pose, speed = belief.sample_motion(400, rng=np.random.default_rng(1))

@@ -8,6 +8,7 @@ import pytest
 import bayeshunt as bh
 from bayeshunt.config.schema.camera import CameraSettings
 from bayeshunt.core.geometry import Pose
+from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.planners.interception.bouncing import Walls, room_futures
@@ -104,6 +105,28 @@ def test_a_future_far_from_the_middle_costs_more_where_it_is_not_seen(khepera_mo
     forward, right = (part[:, 0] for part in weighing.futures.at(weighing.pairs.times[-1:]))
     far = np.hypot(forward - forward.mean(), right - right.mean())
     assert weighing.lost() == pytest.approx(np.minimum(2.0 * far / planner.homing.top_speed, 5.0))
+
+
+@pytest.mark.parametrize(("changes", "away"), [({}, True), ({"sensing.camera.heading_noise_deg": 20.0}, False)])
+def test_a_prey_that_was_only_shown_is_planned_for_as_if_it_went_away(khepera_model, changes, away):
+    planner = bh.make_planner("search", khepera_model, away=0.3)
+    # It goes as the hunter does, and begins behind it to the right.
+    shown = Pursuit(settings(**changes), "open", 2.0, 5).situation
+    assert (shown.belief.resultant < 0.2) == away
+    heading = planner.sampled(shown, np.random.default_rng(0)).heading[:, 0]
+    mean = np.arctan2(np.sin(heading).mean(), np.cos(heading).mean())
+    assert mean == pytest.approx(2.0 if away else 0.0, abs=0.5)
+    assert np.hypot(np.sin(heading).mean(), np.cos(heading).mean()) > 0.8
+
+
+def test_once_its_motion_was_seen_the_belief_is_planned_on(khepera_model):
+    planner = bh.make_planner("search", khepera_model, away=0.3)
+    pursuit = Pursuit(settings(), "open", 0.0, 5)
+    pursuit.step("slow straight")
+    belief = pursuit.situation.belief
+    assert belief.motion.steps == 1.0
+    heading = planner.sampled(pursuit.situation, np.random.default_rng(0)).heading[:, 0]
+    assert np.cos(heading).mean() == pytest.approx(belief.cloud.weight @ np.cos(belief.seen().heading), abs=0.02)
 
 
 def test_futures_that_look_alike_are_not_told_apart_by_looks(khepera_model):
