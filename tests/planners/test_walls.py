@@ -11,6 +11,7 @@ from planner_cases import BODY, STEP
 
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import Polar, Pose
+from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.models.target.turns import TurnModel
@@ -18,6 +19,7 @@ from bayeshunt.planners.api import Situation
 from bayeshunt.planners.conformance import check_planner
 from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
 from bayeshunt.planners.interception.futures import turning_futures
+from bayeshunt.planners.interception.guessing import completed, untouched_sides
 from bayeshunt.planners.interception.intercept import intercept
 from bayeshunt.planners.interception.intercept_room import intercept_room
 from bayeshunt.planners.interception.intercept_walls import InterceptWallsPlanner, intercept_walls
@@ -292,3 +294,50 @@ def test_the_guess_can_be_switched_off_and_moves_the_decision(model):
 def test_wrong_settings_are_named(model, wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
         intercept_room(model, **wrong)
+
+
+def corner(turn=0.0):
+    """Two walls, 0.5 m ahead and to the left, and the places of a hunter that was 0.3 m behind and to the right."""
+    cos, sin = math.cos(turn), math.sin(turn)
+    walls = Walls(((cos, sin), (-sin, cos)), (0.5, 0.5), 0.4)
+    been = np.array([[-0.3, -0.3], [0.3, 0.3]]) @ np.array([[cos, sin], [-sin, cos]])
+    return walls, FreeSpace.of(0.001, been, been[:1])
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7, -2.0])
+def test_sides_that_were_not_touched_are_those_opposite(turn):
+    walls, space = corner(turn)
+    sides = untouched_sides(walls, space)
+    assert [math.atan2(y, x) % (2 * math.pi) for (x, y), _ in sides] == pytest.approx(
+        [(turn + angle) % (2 * math.pi) for angle in (math.pi, 1.5 * math.pi)]
+    )
+    assert [reached for _, reached in sides] == pytest.approx([0.3, 0.3], abs=0.002)
+
+
+def test_nothing_is_guessed_of_a_room_of_which_nothing_or_all_is_known_or_that_is_not_square():
+    _, space = corner()
+    for walls in (Walls((), (), 0.4), SQUARE, Walls(((1.0, 0.0), (math.cos(0.6), math.sin(0.6))), (0.5, 0.5), 0.4)):
+        assert untouched_sides(walls, space) == ()
+    assert untouched_sides(corner()[0], None) == ()
+
+
+def test_a_guessed_wall_is_as_far_as_the_others_and_no_nearer_than_anybody_was():
+    walls, space = corner()
+    sides = untouched_sides(walls, space)
+    rooms = completed(walls, sides, 0.0, [Pose(0.0, -0.6, 0.0)])
+    assert sum(chance for chance, _ in rooms) == pytest.approx(1.0)
+    assert all(made.normals[:2] == walls.normals and made.offsets[:2] == walls.offsets for _, made in rooms)
+    (_, nearest), *_ = rooms
+    assert nearest.offsets[2:] == pytest.approx((0.5, 0.6))  # the prey was 0.6 m to the right
+    assert max(made.offsets[2] for _, made in rooms) == pytest.approx(0.75)
+
+
+def test_a_prey_is_expected_to_turn_at_a_wall_that_was_not_touched(khepera_model):
+    walls, space = corner()
+    some = RoomModel(np.array(walls.normals), np.array(walls.offsets), np.full(2, 1.0), np.full(2, 50), space=space)
+    behind = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(-0.3, 0.0, math.pi + 0.3))
+    starts = intercept_walls(khepera_model, room=some).futures(behind).starts
+    assert np.isfinite(starts[:, 1]).all()
+    planner = intercept_walls(khepera_model, room=some)
+    planner.untouched = ()
+    assert np.isinf(planner.futures(behind).starts[0, 1])

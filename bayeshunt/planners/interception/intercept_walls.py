@@ -16,8 +16,9 @@ from bayeshunt.models.target.at_walls import AtWalls
 from bayeshunt.models.target.turns import earlier_poses
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.info import ROOM, PlannerInfo
-from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
+from bayeshunt.planners.interception.bouncing import Walls, rooms_futures, sliding_future
 from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures, mix
+from bayeshunt.planners.interception.guessing import completed, untouched_sides
 from bayeshunt.planners.interception.turning import TurningPlanner, TurningSettings
 from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
@@ -52,6 +53,10 @@ class InterceptWallsPlanner(TurningPlanner):
     finds none, and then it is the interception hunter with little fear of turns. It needs to know where
     it is: ``situation.pose``.
 
+    After little babbling there may be sides on which it was not stopped yet. Where it has met walls, square to each
+    other, the room is then taken to be a rectangle, its other walls about as far from the start as those
+    (:mod:`~bayeshunt.planners.interception.guessing`).
+
     What a prey does at a wall is counted within the hunt (:meth:`at_walls`): whether it turns away, at which
     distance and angle, or keeps its heading and slides along; and whether it turns where there is no wall, in which
     case its futures are also those of a prey that turns by chance. Settings are what is believed before that.
@@ -74,6 +79,8 @@ class InterceptWallsPlanner(TurningPlanner):
         body = model.gaits.need("body_length")
         #: Where a body of the hunter's size is stopped.
         self.walls = Walls.of(self.room)
+        #: Sides of the room on which it was not stopped yet.
+        self.untouched = untouched_sides(self.walls, self.room.space)
         self.habits = AtWalls(chosen.rebound, chosen.clearance * body)
         self.body = body
 
@@ -85,9 +92,14 @@ class InterceptWallsPlanner(TurningPlanner):
         known = self.prior.learn(legs)
         if not (self.settings.prior or legs):
             return self.turning(situation, known)
-        habits = self._at_walls(situation.pose.compose(situation.prey), legs, known.speed)
+        now = situation.pose.compose(situation.prey)
+        habits = self._at_walls(now, legs, known.speed)
         speed = known.speed / self.leg
-        turned = room_futures(situation.prey, situation.pose, self._kept(habits), speed, known.drift, self.leg)
+        rooms = [(1.0, self._kept(habits))]
+        if self.untouched:
+            been = [*earlier_poses(now, legs), now]
+            rooms = completed(self._kept(habits), self.untouched, habits.keeping_clear, been)
+        _, turned = rooms_futures(situation.prey, situation.pose, rooms, speed, known.drift, self.leg)
         if turned is None:
             return self.turning(situation, known)
         stray = 1.0 - (1.0 - habits.hazard) ** self.settings.turn_steps
@@ -95,7 +107,7 @@ class InterceptWallsPlanner(TurningPlanner):
         parts = [(1.0 - stray - slides, turned)]
         if stray > NEGLIGIBLE:
             parts.append((stray, self.turning(situation, known)))
-        if slides > NEGLIGIBLE and speed > 0:
+        if slides > NEGLIGIBLE and speed > 0 and self.walls.meet(now)[0] >= 0:
             parts.append((slides, sliding_future(situation.prey, situation.pose, self.walls, speed)))
         return mix(parts) if len(parts) > 1 else turned
 
