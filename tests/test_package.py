@@ -45,7 +45,7 @@ def test_the_oldest_dependencies_that_are_tried_are_the_lower_bounds():
 def test_the_oldest_extras_that_are_tried_are_their_lower_bounds():
     extras = PROJECT["optional-dependencies"]
     least = {}
-    for extra in ("distributed", "gym", "h5", "marimo", "mujoco", "notebook", "ros"):
+    for extra in ("distributed", "gym", "h5", "mujoco", "notebook", "ros"):
         least |= bounds(extras[extra])
     tried = pinned("oldest-extras.txt")
     assert tried.keys() == least.keys()

@@ -1,4 +1,4 @@
-"""A notebook of marimo run without a browser: it takes our widgets and cards; CI runs it with the oldest marimo too."""
+"""A notebook of marimo run without a browser: it takes our widgets and cards."""
 
 import json
 import re
