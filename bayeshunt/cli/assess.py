@@ -11,7 +11,7 @@ import typer
 from bayeshunt.cli import ingest
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, asked_backoff, gaits_of
-from bayeshunt.cli.outputs import out_figure, out_file, out_folder
+from bayeshunt.cli.outputs import out_figure, out_file, out_folder, say_written
 from bayeshunt.core.errors import InputError
 
 __all__ = ["assess", "score"]
@@ -91,14 +91,7 @@ def assess(
     from bayeshunt.views.terminal.assessment import assessment_tables
 
     assessment_tables(result)
-    _say_written(out, csv)
-
-
-def _say_written(*places: Path | None) -> None:
-    """Name the files and folders that were written, if any."""
-    written = [str(place) for place in places if place is not None]
-    if written:
-        typer.echo(f"written: {', '.join(written)}")
+    say_written(out, csv)
 
 
 def _write_tables(result: Any, folder: Path) -> None:
@@ -183,4 +176,4 @@ def score(
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
     forward_table(table, folds_by)
-    _say_written(out, figure)
+    say_written(out, figure)

@@ -26,8 +26,16 @@ __all__ = [
     "out_folder",
     "out_map",
     "remembered_output",
+    "say_written",
     "write_film",
 ]
+
+
+def say_written(*places: Path | None) -> None:
+    """Name the files and folders that were written, if any."""
+    written = [str(place) for place in places if place is not None]
+    if written:
+        typer.echo(f"written: {', '.join(written)}")
 
 
 def out_file(help_text: str, what: str, ending: str, *, within_out: bool = False) -> Any:

@@ -12,7 +12,7 @@ import typer
 
 from bayeshunt.cli.app import app
 from bayeshunt.cli.options import Json, Quiet, Seed, tell
-from bayeshunt.cli.outputs import out_figure, out_file
+from bayeshunt.cli.outputs import out_figure, out_file, say_written
 from bayeshunt.core.errors import InputError
 
 __all__ = ["behaviours_of_prey", "fit_prey", "follow_prey", "prey", "score"]
@@ -152,6 +152,7 @@ def score(
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
     scores_table(table, unit)
+    say_written(out, figure)
 
 
 @prey.command("follow", short_help="Follow recorded walkers: catch them, keep them company.")
@@ -201,6 +202,7 @@ def follow_prey(
         typer.echo(json.dumps(json.loads(table.to_json(orient="records"))))
         return
     following_table(table, ends)
+    say_written(out)
 
 
 def _band(text: str) -> tuple[float, float]:

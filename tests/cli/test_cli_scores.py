@@ -63,3 +63,4 @@ def test_scores_of_prey_are_drawn(monkeypatch, capfd, tmp_path) -> None:
     line = ["prey", "score", "--on", DATA / "locusts.parquet", "--time-step", 1.2, "--split", "time", "--steps", 4]
     assert run(monkeypatch, *line, "--figure", tmp_path / "p.png") == 0
     assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
+    assert f"written: {tmp_path / 'p.png'}" in capfd.readouterr().out.replace("\n", "")
