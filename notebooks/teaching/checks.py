@@ -187,9 +187,12 @@ def sliders(draw: Callable[..., Any]) -> Any:
     """Knobs for ``draw(prior, bins, structure)``, which returns a figure; needs the extra ``notebook``."""
     import ipywidgets as widgets
 
-    return widgets.interactive(
+    shown = widgets.interactive(
         draw,
         prior=widgets.SelectionSlider(options=[0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0], value=0.03, description="prior"),
         bins=widgets.IntSlider(36, min=8, max=72, step=4, description="bins", continuous_update=False),
         structure=widgets.ToggleButtons(options=["naive", "tan", "joint"], description="structure"),
     )
+    shown.auto_display = True  # what draw returns, not only what it prints
+    shown.update()
+    return shown

@@ -113,3 +113,14 @@ def test_a_notebook_without_its_checks_says_where_they_are(name, monkeypatch):
     monkeypatch.setitem(sys.modules, "checks", None)
     with pytest.raises(ModuleNotFoundError, match="must lie beside this notebook; copy it from notebooks/teaching"):
         exec("\n".join(lines[first : first + 4]), {})
+
+
+def test_the_sliders_show_what_is_drawn(monkeypatch):
+    interaction = pytest.importorskip("ipywidgets.widgets.interaction", reason="ipywidgets is not installed")
+    shown: list[object] = []
+    monkeypatch.setattr(interaction, "display", shown.append)
+    knobs = checks.sliders(lambda prior, bins, structure: (prior, bins, structure))
+    assert shown == [(0.03, 36, "naive")]
+    knobs.children[0].value = 1.0
+    knobs.children[2].value = "tan"
+    assert shown[1:] == [(1.0, 36, "naive"), (1.0, 36, "tan")]
