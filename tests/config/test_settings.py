@@ -2,7 +2,9 @@
 
 import pytest
 
+import bayeshunt as bh
 from bayeshunt.config.loading import describe, load_experiment, load_robot, preset_names
+from bayeshunt.config.schema import drives
 from bayeshunt.core.errors import ConfigError
 
 BODY = '[[gait]]\nname = "go"\nleft = 0.05\nright = 0.05\n'
@@ -202,3 +204,12 @@ def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
     path = tmp_path / "bom.toml"
     path.write_bytes(b'\xef\xbb\xbfbase = "paper"\n[protocol]\nruns = 1\n')
     assert load_experiment(path).protocol.runs == 1
+
+
+def test_a_body_of_ones_own_takes_the_gaits_of_wheels(monkeypatch):
+    kind = drives.DriveKind(bh.DriveSettings, ("left", "right"), lambda command: abs(sum(command)) / 2)
+    monkeypatch.setitem(drives._DRIVES, "metered", kind)
+    body = {"drive": "metered", "diameter": 0.057}
+    robot = bh.load_experiment("paper", {"robot.body": body}).robot
+    assert robot.gaits[1].command == (0.0576, 0.0432)
+    assert robot.top_speed == pytest.approx(0.0576)

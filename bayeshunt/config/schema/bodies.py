@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, model_validator
 
 from bayeshunt.config.schema.groups import Finite, NonNegative, Positive, Settings, Share
 
@@ -79,3 +79,11 @@ class FreeGait(NamedGait):
     model_config = ConfigDict(frozen=True, extra="allow")
     command: tuple[Finite, ...] | None = Field(None, min_length=1, description="a value for each actuator, in order")
     __pydantic_extra__: dict[str, Finite]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_one_body(cls, values: Any) -> Any:
+        """Leave out the keys that gaits of another body have and this one does not use."""
+        return (
+            {key: value for key, value in values.items() if value is not None} if isinstance(values, dict) else values
+        )
