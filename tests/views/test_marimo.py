@@ -52,9 +52,6 @@ def test_widgets_and_cards_are_what_marimo_takes(tmp_path):
     assert ran.returncode == 0, ran.stderr
     page = (tmp_path / "shown.html").read_text(encoding="utf-8")
     cells = [json.JSONDecoder().raw_decode(page, place.end() - 1)[0] for place in re.finditer(r'"data": ?\{', page)]
-    found = [cell[kind] for cell in cells for kind in cell if kind.endswith("mimebundle")]
-    bundles = [one if isinstance(one, dict) else json.loads(one) for one in found]  # as it is, from older ones
-    assert len(bundles) == 2
-    for bundle in bundles:
-        assert {"text/plain", "text/html", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
-    assert ['class="bh"' in cell["text/html"] for cell in cells if "text/html" in cell] == [True]
+    pages = [cell["text/html"] for cell in cells if "text/html" in cell]
+    taken = [("<marimo-anywidget" in page, 'class="bh"' in page) for page in pages]
+    assert taken == [(True, False), (True, False), (False, True)]
