@@ -72,6 +72,7 @@ def test_what_is_said_to_set_a_planner_sets_it(bayeshunt, folder):
     assert json.loads(bayeshunt(*command, *quick, "--jobs", "1", "--json")[0])["rows"][0]["planner"] == "frugal"
 
 
+@pytest.mark.slow
 def test_ones_own_are_listed_too(folder):
     (folder / "mine.py").write_text(PLUGIN)
     ours = Path(sys.executable).parent / "bayeshunt"

@@ -96,6 +96,7 @@ def test_a_folder_that_cannot_be_written(arguments):
     assert arguments[-1] in errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_stopped_by_a_signal(model_file, tmp_path, number):
     arguments = [*evaluation(model_file, tmp_path / "r"), "--runs", "500", "--jobs", "2"]

@@ -38,6 +38,7 @@ def test_walkers_are_drawn_evenly_and_the_same_every_time() -> None:
         walkers_of(tracks, ["one.txt"], 5, seed=3, least=60.0)
 
 
+@pytest.mark.slow
 def test_models_are_compared_on_the_same_walkers() -> None:
     hunts = follow(people(), ["one.txt"], 3, seed=1)
     assert len(set(hunts.groupby("model")["id"].apply(tuple))) == 1

@@ -48,6 +48,7 @@ def test_a_killed_worker_costs_only_time(tmp_path):
     assert (tmp_path / "died").exists()
 
 
+@pytest.mark.slow
 def test_workers_that_always_die_are_given_up():
     with pytest.raises(WorkerError, match="killed 3 times in a row"):
         work(die, range(2))

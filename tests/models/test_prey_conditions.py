@@ -123,6 +123,7 @@ def test_spatial_median_and_scores_by_hand() -> None:
     assert scores[6:].tolist() == pytest.approx([0.5, 0.9], abs=0.07)
 
 
+@pytest.mark.slow
 def test_score_prey_is_held_out_and_repeats() -> None:
     tracks = pd.concat([walkers(8, 60, 1), walkers(8, 60, 2).assign(scene="square")], ignore_index=True)
     names = ["stands", "constant_velocity", "constant_velocity_noise", "autoregression", "conditioned"]
