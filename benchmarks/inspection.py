@@ -317,7 +317,7 @@ def main() -> None:
     """Run and print."""
     names = [*ALONE, *IN_A_BROWSER]
     parser = command(__doc__)
-    parser.add_argument("--only", nargs="+", choices=names, default=names[1:])
+    parser.add_argument("--only", nargs="+", choices=names, default=[name for name in names if name != "active"])
     options = parser.parse_args()
     quiet_pgmpy()
     facts = measure(options.only)

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 import bayeshunt as bh
+from bayeshunt.core.errors import InputError
 from bayeshunt.core.geometry import FloatArray
 from bayeshunt.core.protocols import TargetModel
 from bayeshunt.data.steps import Run, runs
@@ -91,13 +92,19 @@ def _followed(body: bh.ForwardModel, run: Run, at: int, models: dict[str, Target
 
 
 def follow(folder: Path, scenes: Sequence[str], walkers: int) -> dict[str, Any]:
-    """The figures of each prey model, paired over walkers; models are learned from the files of the other scenes."""
+    """The figures of each prey model, paired over walkers; models are learned from the files of the other scenes.
+
+    scenes: ends of the names of the files whose walkers are followed.
+    """
     tracks = {path.name: bh.read_tracks(path, 2.5, "m") for path in sorted(folder.glob("*.txt"))}
+    held = [name for name in tracks if name.endswith(tuple(scenes))]
+    if not held:
+        raise InputError(f"{folder}: no .txt file whose name ends in {' or '.join(scenes)}; name one by --scene")
     body, rows = _body(), []
-    for scene in scenes:
+    for scene in held:
         models = _models(pd.concat([table for name, table in tracks.items() if name != scene]))
         long = [run for run in runs(tracks[scene], _STEP) if len(run.places) * _STEP / run.stride >= _LEAST]
-        for at in np.random.default_rng(0).permutation(len(long))[: walkers // len(scenes)].tolist():
+        for at in np.random.default_rng(0).permutation(len(long))[: walkers // len(held)].tolist():
             rows += _followed(body, long[at], at, models)
     return {"models": summary(pd.DataFrame(rows)).to_dict("records")}
 
@@ -119,9 +126,7 @@ def main() -> None:
     """Run and print."""
     parser = command(__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument(
-        "--scene", nargs="*", default=["pedestrians_crowds_zara01.txt", "pedestrians_crowds_zara02.txt"]
-    )
+    parser.add_argument("--scene", nargs="+", default=["zara01.txt", "zara02.txt"], help="ends of their files' names")
     parser.add_argument("--walkers", type=int, default=200)
     options = parser.parse_args()
     quiet_pgmpy()

@@ -127,8 +127,8 @@ def radians_of(values: np.ndarray, name: str, angle: str | None, source: str) ->
     Raises InputError for another unit, and for what would be turns on end in radians where no unit is said; issues a
     DataWarning where one is said all the same, and where the name says another unit than the one given.
     """
-    if angle is not None and angle not in ("rad", "deg"):
-        raise InputError(f"{source}: unknown unit of angles {angle!r}{unit_hint(angle, ('rad', 'deg'))}")
+    if angle is not None and angle not in _ANGLES:
+        raise InputError(f"{source}: unknown unit of angles {angle!r}{unit_hint(angle, _ANGLES)}")
     said = next((unit for unit, words in _ANGLES.items() if any(says_unit(name, word) for word in words)), None)
     if angle is not None and said not in (None, angle):
         warn(f"{source}: column {name!r} says {said} by its name, but is read in {angle} as given; "

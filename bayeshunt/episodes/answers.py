@@ -72,7 +72,7 @@ def _column(rests: AnswerCells | None, name: str) -> list[Any] | None:
     return None if value is None else np.ravel(value).tolist()
 
 
-def stored(row: Mapping[str, Any]) -> AnswerCells | None:
+def stored(row: Mapping[Any, Any]) -> AnswerCells | None:
     """Return what a row of the table keeps of its answer; None if it keeps nothing."""
     if row.get("answer_variables") is None:
         return None

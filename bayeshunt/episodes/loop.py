@@ -59,9 +59,11 @@ def hunt(
     with unwarned():
         for situation, plan in _decide(running, planner):
             # The prey model goes on learning: the record keeps what was known at this decision.
-            known, spent = running.prey_model.copy(), (running.trial.energy, running.trial.falls)
-            seen = running.observed, spent, running.observation
-            steps.append(Step.of(len(steps), running.moment, replace(situation, prey_model=known), plan, *seen))
+            situation = replace(situation, prey_model=running.prey_model.copy())
+            spent = running.trial.energy, running.trial.falls
+            steps.append(
+                Step.of(len(steps), running.moment, situation, plan, running.observed, spent, running.observation)
+            )
             running.step(plan.gait, nodes=plan.nodes)
             trail.extend(running.moments)
     return Episode.assemble(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -99,20 +99,19 @@ def within(found: pd.DataFrame) -> dict[str, tuple[float, float]]:
 def value_within(episode: Episode) -> list[str]:
     """Return of each decision of a hunt the interval of the posterior that it rests on, " (0.31 to 1)"; "" without."""
     answers = [plan.answer for plan in episode.plans] or [None] * len(episode.frame)
-    said = []
-    records: list[dict[str, Any]] = [
-        {str(name): value for name, value in r.items()} for r in episode.frame.to_dict("records")
-    ]
-    for row, answer in zip(records, answers, strict=True):
-        found = None if row["posterior"] is None or answer is None else interval(answer)
-        rests = None if row["posterior"] is None or answer is not None else stored(row)
-        if found is not None:
-            said.append(f" ({bounds(*within(found)[row['gait']])})")
-        elif rests is not None and rests.within is not None:
-            said.append(f" ({bounds(*rests.within[:, int(np.argmax(row['posterior']))].tolist())})")
-        else:
-            said.append("")
-    return said
+    return [_value_within(*both) for both in zip(episode.frame.to_dict("records"), answers, strict=True)]
+
+
+def _value_within(row: Mapping[Any, Any], answer: Posterior | None) -> str:
+    if row["posterior"] is None:
+        return ""
+    if answer is not None:
+        found = interval(answer)
+        return "" if found is None else f" ({bounds(*within(found)[row['gait']])})"
+    cells = stored(row)
+    if cells is None or cells.within is None:
+        return ""
+    return f" ({bounds(*cells.within[:, int(np.argmax(row['posterior']))].tolist())})"
 
 
 def cell_within(low: float, high: float) -> str:

@@ -84,6 +84,6 @@ class FreeGait(NamedGait):
     @classmethod
     def _of_one_body(cls, values: Any) -> Any:
         """Leave out the keys that gaits of another body have and this one does not use."""
-        return (
-            {key: value for key, value in values.items() if value is not None} if isinstance(values, dict) else values
-        )
+        if not isinstance(values, dict):
+            return values
+        return {key: value for key, value in values.items() if value is not None}

@@ -95,10 +95,10 @@ class InterceptWallsPlanner(TurningPlanner):
         now = situation.pose.compose(situation.prey)
         habits = self._at_walls(now, legs, known.speed)
         speed = known.speed / self.leg
-        rooms = [(1.0, self._kept(habits))]
+        kept = self._kept(habits)
+        rooms = [(1.0, kept)]
         if self.untouched:
-            been = [*earlier_poses(now, legs), now]
-            rooms = completed(self._kept(habits), self.untouched, habits.keeping_clear, been)
+            rooms = completed(kept, self.untouched, habits.keeping_clear, [*earlier_poses(now, legs), now])
         _, turned = rooms_futures(situation.prey, situation.pose, rooms, speed, known.drift, self.leg)
         if turned is None:
             return self.turning(situation, known)

@@ -45,7 +45,7 @@ __all__ = [
     "search_tree",
     "setup",
     "success",
-]  # fmt: skip
+]
 
 #: The paper's figure of each experiment; other combinations are called after planner and arena only.
 _NUMBERS = {("reactive", "walled"): "3", ("prediction", "walled"): "4", ("prediction", "open"): "4",

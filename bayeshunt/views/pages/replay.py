@@ -36,7 +36,7 @@ from bayeshunt.views.opened import opened, opened_cells
 from bayeshunt.views.pages.commands import hunt_command
 from bayeshunt.views.pages.page import embed, number, render
 from bayeshunt.views.pages.replay_belief import belief_of, field_of_view
-from bayeshunt.views.pages.replay_search import asked_again, colours, considered, realised, stripes, whiskers
+from bayeshunt.views.pages.replay_search import asked_again, considered, gait_looks, realised, whiskers
 
 __all__ = ["SCRIPTS", "STYLES", "replay_data", "replay_html", "write_replay"]
 
@@ -129,7 +129,7 @@ def replay_data(
         "walls": [place.width, place.height] if place.walled else None,
         "obstacles": [[[round(v, 4) for v in at] for at in obstacle.outline()] for obstacle in place.obstacles],
         "trail": _trail(episode, every),
-        "colours": colours(episode), "stripes": stripes(episode),
+        **gait_looks(episode),
         "steps": steps,
         "fov": field_of_view(settings),
         "bins": [number(width) for width in _bin_widths(settings)],

@@ -16,7 +16,7 @@ from bayeshunt.models.body.posterior import Posterior
 from bayeshunt.views import theme
 from bayeshunt.views.pages.page import number
 
-__all__ = ["asked_again", "colours", "considered", "realised", "stripes", "whiskers"]
+__all__ = ["asked_again", "considered", "gait_looks", "realised", "whiskers"]
 
 _TENTHS = 10_000.0  # 0.1 mm and 0.1 mrad are finer than a screen can show
 
@@ -93,16 +93,18 @@ def whiskers(rests: AnswerCells | None) -> list[list[Any]] | None:
     return [[number(low, 4), number(high, 4), bounds(low, high)] for low, high in rests.within.T.tolist()]
 
 
-def colours(episode: Episode) -> dict[str, str]:
-    """Return the name of the colour of each gait executed, by how it turned the hunter."""
-    turns = _turns(episode)
-    return {gait: f"{side}-{rank}" for gait, (side, rank) in zip(turns, theme.gait_names(turns.values()), strict=True)}
+def gait_looks(episode: Episode) -> dict[str, dict[str, Any]]:
+    """Return the name of the colour of each gait executed, by how it turned the hunter, and how many stripes it has.
 
-
-def stripes(episode: Episode) -> dict[str, int]:
-    """Return the stripes of those gaits that share their colour with another."""
+    Only gaits that share their colour with another have stripes.
+    """
     turns = _turns(episode)
-    return {gait: many for gait, many in zip(turns, theme.gait_stripes(turns.values()), strict=True) if many}
+    named = zip(turns, theme.gait_names(turns.values()), strict=True)
+    striped = zip(turns, theme.gait_stripes(turns.values()), strict=True)
+    return {
+        "colours": {gait: f"{side}-{rank}" for gait, (side, rank) in named},
+        "stripes": {gait: many for gait, many in striped if many},
+    }
 
 
 def _turns(episode: Episode) -> dict[str, float]:

@@ -153,7 +153,7 @@ def episode(shown: Episode) -> Sheet:
     what = objective(0.0, shown.frame["objective"].iloc[0])[1] if len(shown.frame) else ""
     decisions = _decisions(shown)
     sure = " (95 % interval)" if any(" (" in row[5] for row in decisions.rows) else ""
-    note = Note(f"value: {what}{sure}; moves seen: prey transitions learned before the decision")
+    note = Note(f"value: {what}{sure}; moves: prey transitions learned before the decision")
     where = f"settings {origin.get('settings', {}).get('name', 'unknown')!r}"
     return Sheet(
         f"Hunt: {ending}",
@@ -171,7 +171,7 @@ def _decisions(shown: Episode) -> Table:
         ]
         for r, within in zip(shown.frame.to_dict("records"), grounds.value_within(shown), strict=True)
     ]  # fmt: skip
-    columns = ["step", "time [s]", "prey at [mm]", "bearing", "gait", "value", "moves seen"]
+    columns = ["step", "time [s]", "prey at [mm]", "bearing", "gait", "value", "moves"]
     return Table(columns, rows, words=frozenset({4}), most=len(rows))
 
 
