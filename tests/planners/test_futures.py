@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_room import room_futures
 
 from bayeshunt.core.geometry import Polar, Pose, wrap
 from bayeshunt.models.target.turns import TurnModel
-from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.futures import Futures, mix, turning_futures
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.lookahead import PairPaths, decide, look_ahead

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from one_room import room_futures
 
 import bayeshunt as bh
 from bayeshunt.config.schema.camera import CameraSettings
@@ -11,7 +12,7 @@ from bayeshunt.core.geometry import Pose
 from bayeshunt.episodes.pursuit import Pursuit
 from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.obstacles import TouchedObstacles
-from bayeshunt.planners.interception.bouncing import Walls, room_futures
+from bayeshunt.planners.interception.bouncing import Walls
 from bayeshunt.planners.interception.homing import Homing
 from bayeshunt.planners.interception.lookahead import PairPaths, look_ahead
 from bayeshunt.planners.uncertainty.obstructed import Obstructed

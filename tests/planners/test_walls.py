@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from one_room import room_futures
 from planner_cases import BODY, STEP
 
 from bayeshunt.core.errors import InputError
@@ -17,7 +18,7 @@ from bayeshunt.models.target.prey import PreyModel
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.planners.api import Situation
 from bayeshunt.planners.conformance import check_planner
-from bayeshunt.planners.interception.bouncing import Walls, room_futures, sliding_future
+from bayeshunt.planners.interception.bouncing import Walls, sliding_future
 from bayeshunt.planners.interception.futures import turning_futures
 from bayeshunt.planners.interception.guessing import completed, untouched_sides
 from bayeshunt.planners.interception.intercept import intercept

@@ -16,7 +16,7 @@ from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.models.arena.rooms import RoomModel
 from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures
 
-__all__ = ["LEGS", "Walls", "room_futures", "rooms_futures", "sliding_future"]
+__all__ = ["LEGS", "Walls", "rooms_futures", "sliding_future"]
 
 #: Straight runs of a path between walls, the last for ever: with nine the hunts of eight worlds were the same.
 LEGS = 3
@@ -81,26 +81,17 @@ class Walls(NamedTuple):
         return math.atan2(ny, nx) + side * (0.5 * math.pi + self.rebound)
 
 
-def room_futures(
-    prey: Polar, pose: Pose, walls: Walls, speed: float, drift: float, time_step: float, *, legs: int = LEGS
-) -> Futures | None:
-    """Return the prey's paths among ``walls``; None if there is no wall ahead of it.
-
-    The prey goes straight at ``speed`` [m/s] and leaves a wall on the side that it comes in on. On
-    its way to the first wall its heading wanders, a random walk of ``drift`` [rad] per time-step,
-    so it may take the other side, a second path: ``P(left) = Phi(slant / (drift sqrt(steps to the wall)))``.
-    pose: the hunter's, in its starting frame. legs: straight runs of each path, the last for ever.
-    """
-    return rooms_futures(prey, pose, [(1.0, walls)], speed, drift, time_step, legs=legs)[1]
-
-
 def rooms_futures(
     prey: Polar, pose: Pose, rooms: Iterable[tuple[float, Walls]], speed: float, drift: float, time_step: float, *,
     legs: int = LEGS,
 ) -> tuple[float, Futures | None]:  # fmt: skip
     """Return the probability of those of ``rooms`` (probability, walls) that have a wall ahead, and the paths in them.
 
-    As :func:`room_futures`; None if no room has a wall ahead of the prey.
+    The prey goes straight at ``speed`` [m/s] and leaves a wall on the side that it comes in on. On
+    its way to the first wall its heading wanders, a random walk of ``drift`` [rad] per time-step,
+    so it may take the other side, a second path: ``P(left) = Phi(slant / (drift sqrt(steps to the wall)))``.
+    pose: the hunter's, in its starting frame. legs: straight runs of each path, the last for ever.
+    No paths, None, if no room has a wall ahead of the prey.
     """
     at = Pose(*(float(part) for part in pose.compose(prey)))
     paths, weights, apart = [], [], []
