@@ -1,10 +1,10 @@
 """Colours and style sheets of pages, notebook displays and figures: one palette in which a colour has a meaning.
 
 Blue is the hunter, orange the prey, purple what is chosen, green a catch, slate a probability; planners have colours
-that are none of these. Gaits go from grey (straight) by hue as they turn, cool to the left and warm to the right: every
-pair stays apart for colour-blind readers too (CIE 1976 distance above 20 as protanopes and deuteranopes see them), in the
-light and in the dark theme, where each has a colour of its own. More gaits than that have the colours again, striped. Text has a
-contrast of 4.5 to 1 or more, marks of 3 to 1.
+that are none of these. Gaits go from grey (straight) by hue as they turn, cool to the left and warm to the right:
+every pair stays apart for colour-blind readers too (CIE 1976 distance above 20 as protanopes and deuteranopes see
+them), in the light and in the dark theme, where each has a colour of its own. More gaits than that have the colours
+again, striped. Text has a contrast of 4.5 to 1 or more, marks of 3 to 1.
 """
 
 from __future__ import annotations
