@@ -284,6 +284,8 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     key = _key(place, values)
     if first["type"] == "extra_forbidden":
         known = keys_at(kind, place[:-1])
+        if place[-1] in known:  # those of every kind of group that there is are listed
+            return f"{key}: not a setting of this {place[-2]}{_robots_with(values, place[:-1])}"
         hint = did_you_mean(place[-1], known, listed=False) or _elsewhere(kind, place[-1], first.get("input"))
         return f"{key}: unknown key{hint or did_you_mean(place[-1], known) or '; it is not a setting'}"
     if first["type"] == "missing":
@@ -294,6 +296,16 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     given = first.get("input")
     shown = f", got {given!r}" if isinstance(given, (str, int, float, bool)) and ", got " not in message else ""
     return f"{key}: {message[:1].lower()}{message[1:]}{shown}"
+
+
+def _robots_with(values: Any, place: tuple[int | str, ...]) -> str:
+    """How an error about a setting of another drive's body ends: the drive, and the robots that ship with it."""
+    for part in place:
+        values = values[part]
+    drive = values.get("drive")
+    robots = [name for name in preset_names("robots") if _robot(name)[0].body.drive == drive]
+    start = f"; to start from a robot that has it: robot = {' or '.join(map(repr, robots))}" if robots else ""
+    return f", whose drive is {drive!r}{start}" if drive else ""
 
 
 def _elsewhere(kind: type[BaseModel], name: Any, value: Any) -> str:
