@@ -285,7 +285,7 @@ def _explain(error: ValidationError, kind: type[BaseModel], values: Any) -> str:
     if first["type"] == "extra_forbidden":
         known = keys_at(kind, place[:-1])
         if place[-1] in known:  # those of every kind of group that there is are listed
-            return f"{key}: not a setting of this {place[-2]}{_robots_with(values, place[:-1])}"
+            return f"{key}: unknown key for this {place[-2]}{_robots_with(values, place[:-1])}"
         hint = did_you_mean(place[-1], known, listed=False) or _elsewhere(kind, place[-1], first.get("input"))
         return f"{key}: unknown key{hint or did_you_mean(place[-1], known) or '; it is not a setting'}"
     if first["type"] == "missing":

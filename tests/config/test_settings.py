@@ -70,7 +70,7 @@ def test_the_order_of_overrides_means_nothing():
         ('base = "paper"\n[prey.body]\ndrive = "legs"\n', r"prey\.body\.drive: .*'differential'.*got 'legs'"),
         (
             'base = "paper"\n[robot.body]\ndrive = "legs"\ntop_speed = 0.1\n',
-            r"robot\.body\.axle: not a setting of this body, whose drive is 'legs'; .* robot = 'hexapod' or ",
+            r"robot\.body\.axle: unknown key for this body, whose drive is 'legs'; .* robot = 'hexapod' or ",
         ),
         ('base = "paper"\n[protocol]\nruns = "many"\n', r"protocol\.runs: .*got 'many'"),
         ('base = "paper"\n[protocol]\nthetas = []\n', r"protocol\.thetas: "),
