@@ -29,8 +29,8 @@ def clock(page):
     return numbers(page.locator("[data-part=clock]").inner_text())[0]
 
 
-def table(page, part):
-    return [row.split("\t") for row in page.locator(f"[data-part={part}]").inner_text().splitlines() if row.strip()]
+def table(text):
+    return [row.split("\t") for row in text.splitlines() if row.strip()]
 
 
 def degrees(angle):
@@ -45,50 +45,66 @@ def assert_polar(text, row, name):
         assert heading[0] == pytest.approx(degrees(row[f"{name}_heading"]), abs=0.51)
 
 
-def assert_panels_show(page, row, gaits):
-    """Every side panel against one row of ``episode.frame``."""
-    assert page.locator("[data-part=heading]").inner_text() == f"Decision {row['step'] + 1}: {row['gait']}"
-    assert numbers(fact(page, "time"))[0] == pytest.approx(row["time"], abs=5.1e-4)
-    assert_polar(fact(page, "seen"), row, "seen")
-    assert_polar(fact(page, "target"), row, "target")
-    assert (fact(page, "known") == "used") == row["prey_known"]
-    assert numbers(fact(page, "value"))[0] == pytest.approx(objective(row["value"], row["objective"])[0], rel=5.1e-4)
-    assert fact(page, "objective") == objective(0.0, row["objective"])[1]
-    assert numbers(fact(page, "nodes")) == [row["nodes"]]
-    shown = [li.split(" × ") for li in page.locator("[data-part=sequence] li").all_inner_texts()]
-    unrolled = [gait for gait, *times in shown for _ in range(int(times[0]) if times else 1)]
+#: All that the side panels show, in one answer of the browser: text by part and by fact, and the rows of the lists.
+SHOWN = """() => {
+    const texts = (key) => Object.fromEntries([...document.querySelectorAll(`[data-${key}]`)].map(
+        element => [element.dataset[key], element.innerText]));
+    const all = (at) => [...document.querySelectorAll(at)];
+    return {
+        step: document.querySelector("[data-player]").dataset.step,
+        part: texts("part"), fact: texts("fact"),
+        sequence: all("[data-part=sequence] li").map(li => li.innerText),
+        bars: all("[data-part=bars] tr").map(tr => [
+            tr.querySelector("th").innerText, tr.querySelector("td:last-child").innerText, tr.hasAttribute("aria-current")]),
+        news: all("[data-part=prey] tr.new").length,
+    };
+}"""
+
+
+def assert_panels_show(shown, row, gaits):
+    """Every side panel, as SHOWN has it, against one row of ``episode.frame``."""
+    facts = shown["fact"]
+    assert shown["part"]["heading"] == f"Decision {row['step'] + 1}: {row['gait']}"
+    assert numbers(facts["time"])[0] == pytest.approx(row["time"], abs=5.1e-4)
+    assert_polar(facts["seen"], row, "seen")
+    assert_polar(facts["target"], row, "target")
+    assert (facts["known"] == "used") == row["prey_known"]
+    assert numbers(facts["value"])[0] == pytest.approx(objective(row["value"], row["objective"])[0], rel=5.1e-4)
+    assert facts["objective"] == objective(0.0, row["objective"])[1]
+    assert numbers(facts["nodes"]) == [row["nodes"]]
+    sequence = [text.split(" × ") for text in shown["sequence"]]
+    unrolled = [gait for gait, *times in sequence for _ in range(int(times[0]) if times else 1)]
     assert unrolled == list(row["planned_gaits"])
-    assert_bars_show(page, row, gaits)
-    assert_prey_table_shows(page, row)
+    assert_bars_show(shown, row, gaits)
+    assert_prey_table_shows(shown, row)
 
 
-def assert_bars_show(page, row, gaits):
-    caption = page.locator("[data-part=bars-caption]").inner_text()
+def assert_bars_show(shown, row, gaits):
+    caption = shown["part"]["bars-caption"]
     if row["posterior"] is not None:
-        assert page.locator("[data-part=bars-title]").inner_text() == "Posterior over gaits"
+        assert shown["part"]["bars-title"] == "Posterior over gaits"
         expected = dict(zip(gaits, row["posterior"], strict=True))
         assert f"support {row['support']} babbling" in caption
         assert f"{row['evidence_probability']:.3g}" in caption
     else:
-        assert page.locator("[data-part=bars-title]").inner_text() == "Values of the first gaits"
+        assert shown["part"]["bars-title"] == "Values of the first gaits"
         expected = dict(zip(row["alternative_gaits"], row["alternative_values"], strict=True))
         assert objective(0.0, row["objective"])[1] in caption
         assert min(expected.values()) == pytest.approx(row["value"])
         expected = {gait: objective(value, row["objective"])[0] for gait, value in expected.items()}
-    rows = page.locator("[data-part=bars] tr")
-    names = rows.locator("th").all_inner_texts()
-    values = rows.locator("td:last-child").all_inner_texts()
-    assert names == list(expected)
-    assert [float(v) for v in values] == pytest.approx(list(expected.values()), abs=5.1e-4, rel=5.1e-4)
-    assert page.locator("[data-part=bars] tr[aria-current] th").inner_text() == row["gait"]
+    assert [name for name, *_ in shown["bars"]] == list(expected)
+    values = [float(value) for _, value, _ in shown["bars"]]
+    assert values == pytest.approx(list(expected.values()), abs=5.1e-4, rel=5.1e-4)
+    assert [name for name, _, current in shown["bars"] if current] == [row["gait"]]
 
 
-def assert_prey_table_shows(page, row):
+def assert_prey_table_shows(shown, row):
     cells = list(row["prey_table"])
     assert sum(cell[3] for cell in cells) == row["prey_observations"]
-    shown = [[np.mean(numbers(text)) for text in line] for line in table(page, "prey")] if cells else []
-    assert len(shown) == len(cells)
-    for (distance, angle, heading, count, share), cell in zip(shown, cells, strict=True):
+    lines = table(shown["part"]["prey"]) if cells else []
+    assert len(lines) == len(cells)
+    for line, cell in zip(lines, cells, strict=True):
+        distance, angle, heading, count, share = (np.mean(numbers(text)) for text in line)
         assert distance == pytest.approx(1000 * cell[0], abs=0.51)  # a range of whole millimetres around it
         assert (angle, heading) == (
             pytest.approx(degrees(cell[1]), abs=0.51),
@@ -97,7 +113,7 @@ def assert_prey_table_shows(page, row):
         assert count == cell[3]
         assert share == pytest.approx(100 * cell[3] / row["prey_observations"], abs=0.051)
     if row["prey_observations"]:
-        assert page.locator("[data-part=prey] tr.new").count() == 1
+        assert shown["news"] == 1
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
@@ -105,8 +121,9 @@ def test_the_panels_show_the_episode_at_every_step(open_page, replays, episodes,
     page, watch = open_page(replays[planner])
     frame = episodes[planner].frame
     for k, row in enumerate(frame.to_dict("records")):
-        assert page.locator("[data-player]").get_attribute("data-step") == str(k)
-        assert_panels_show(page, row, settings.robot.gaits.names)
+        shown = page.evaluate(SHOWN)
+        assert shown["step"] == str(k)
+        assert_panels_show(shown, row, settings.robot.gaits.names)
         page.keyboard.press("ArrowRight")
     assert clock(page) == pytest.approx(episodes[planner].trail["time"].iloc[-1], abs=0.006)
     assert not watch.errors
