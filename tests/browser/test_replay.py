@@ -54,8 +54,8 @@ SHOWN = """() => {
         step: document.querySelector("[data-player]").dataset.step,
         part: texts("part"), fact: texts("fact"),
         sequence: all("[data-part=sequence] li").map(li => li.innerText),
-        bars: all("[data-part=bars] tr").map(tr => [
-            tr.querySelector("th").innerText, tr.querySelector("td:last-child").innerText, tr.hasAttribute("aria-current")]),
+        bars: all("[data-part=bars] tr").map(tr => [tr.querySelector("th").innerText,
+            tr.querySelector("td:last-child").innerText, tr.hasAttribute("aria-current")]),
         news: all("[data-part=prey] tr.new").length,
     };
 }"""
