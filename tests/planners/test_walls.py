@@ -297,6 +297,24 @@ def test_wrong_settings_are_named(model, wrong):
         intercept_room(model, **wrong)
 
 
+@pytest.mark.parametrize(
+    ("given", "rooms", "ahead"),
+    [({}, 8, 4), ({"nearest": 1.0, "farthest": 2.0}, 2, 4), ({"sizes": 5, "hazard_steps": 0.3}, 5, 1),
+     ({"hazard_steps": 0.3, "turn_steps": 2}, 8, 2)],
+)  # fmt: skip
+def test_how_many_rooms_and_legs_ahead_follows_from_the_other_settings(model, given, rooms, ahead):
+    planner = intercept(model, **given)
+    assert (planner.settings.rooms, len(planner.sizes), planner.settings.legs_ahead) == (rooms, rooms, ahead)
+
+
+def test_the_smallest_two_rooms_are_no_more_than_a_body_length_apart(model):
+    """By hand: 4.5 bodies times 4 ** (1 / 7) is 5.49; with one room less it would be 4.5 times 4 ** (1 / 6), 5.67."""
+    gaps = [sizes[1] - sizes[0] for sizes in (intercept(model).sizes, intercept(model, sizes=7).sizes)]
+    body = intercept(model).sizes[0] / 4.5
+    assert np.allclose(np.divide(gaps, body), [0.986, 1.17], atol=0.001)
+    assert gaps[0] <= body < gaps[1]
+
+
 def corner(turn=0.0):
     """Two walls, 0.5 m ahead and to the left, and the places of a hunter that was 0.3 m behind and to the right."""
     cos, sin = math.cos(turn), math.sin(turn)

@@ -36,7 +36,9 @@ class InterceptSettings(TurningSettings):
     room_chance: Number = setting(0.3, "probability that there is a room at all", ge=0, lt=1)
     nearest: Number = setting(4.5, _REACH, range="0 < nearest < farthest", gt=0)
     farthest: Number = setting(18.0, _REACH, range="0 < nearest < farthest", gt=0)
-    sizes: Count = setting(8, "rooms between them, log-spaced", ge=2)
+    sizes: Count | None = setting(
+        None, "rooms between them, log-spaced; by default so many that the smallest two are a body length apart", ge=2
+    )
     slack: Number = setting(0.6, "body lengths over which a turn before or after the wall is believed", gt=0)
     error: Number | None = setting(
         None,
@@ -48,6 +50,13 @@ class InterceptSettings(TurningSettings):
     def __post_init__(self) -> None:
         if not self.nearest < self.farthest:
             raise InputError(f"{self.name}: expected nearest < farthest, got {self.nearest:g} and {self.farthest:g}")
+
+    @property
+    def rooms(self) -> int:
+        """Number of rooms from the smallest to the largest."""
+        if self.sizes is not None:
+            return self.sizes
+        return 1 + math.ceil(math.log(self.farthest / self.nearest) / math.log1p(1.0 / self.nearest))
 
 
 class InterceptPlanner(TurningPlanner):
@@ -85,7 +94,7 @@ class InterceptPlanner(TurningPlanner):
         super().__init__(model, settings, **given)
         chosen = self.settings
         body = model.gaits.need("body_length")
-        self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.sizes) * body
+        self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.rooms) * body
         self.slack = chosen.slack * body
         self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]
         chance, count = chosen.room_chance, len(self.sizes)

@@ -24,9 +24,6 @@ from bayeshunt.planners.settings import File, Number, planner_settings, setting
 
 __all__ = ["InterceptWallsPlanner", "RoomSettings", "intercept_walls"]
 
-#: A leg of the prey met a wall if it ends this many body lengths beyond it, and none if it ends so far before.
-_WELL_WITHIN, _WELL_CLEAR = 0.5, 1.0
-
 
 @planner_settings("intercept_walls")
 class RoomSettings(TurningSettings):
@@ -102,7 +99,7 @@ class InterceptWallsPlanner(TurningPlanner):
         _, turned = rooms_futures(situation.prey, situation.pose, rooms, speed, known.drift, self.leg)
         if turned is None:
             return self.turning(situation, known)
-        stray = 1.0 - (1.0 - habits.hazard) ** self.settings.turn_steps
+        stray = 1.0 - (1.0 - habits.hazard) ** self.settings.legs_ahead
         slides = (1.0 - stray) * habits.keeping
         parts = [(1.0 - stray - slides, turned)]
         if stray > NEGLIGIBLE:
@@ -131,7 +128,11 @@ class InterceptWallsPlanner(TurningPlanner):
         return self._at_walls(situation.pose.compose(situation.prey), legs, self.prior.learn(legs).speed)
 
     def _at_walls(self, now: Pose, legs: tuple[Polar, ...], run: float) -> AtWalls:
-        """Count the legs that the prey, at ``now``, has come; ``run``: metres of a leg if it does not turn."""
+        """Count the legs that the prey, at ``now``, has come; ``run``: metres of a leg if it does not turn.
+
+        A leg met a wall if the prey would end up more than its radius beyond where it turns away, and none if a whole
+        body fits in between.
+        """
         poses = [*earlier_poses(now, legs), now]
         walls = self.prey_walls()
         left: list[tuple[float, float]] = []
@@ -139,14 +140,14 @@ class InterceptWallsPlanner(TurningPlanner):
         for leg, (before, after) in zip(legs, itertools.pairwise(poses), strict=True):
             wall, gap = walls.meet(before)
             turned = abs(leg.heading) >= self.prior.threshold
-            if gap + _WELL_WITHIN * self.body < run:
+            if gap + 0.5 * self.body < run:
                 if turned:
                     left.append(self.walls.left(wall, before, after, run))
                 kept += not turned
-            elif gap > run + _WELL_CLEAR * self.body:
+            elif gap > run + self.body:
                 elsewhere, strays = elsewhere + 1, strays + turned
         wall, _ = self.walls.meet(now)
-        # It is on its way into a wall, and nearer than a prey that turns away would come.
+        # On its way into a wall, it is nearer to where it would be stopped than to where it would turn away.
         kept += wall >= 0 and -self.walls.beyond(wall, now) < 0.5 * self.habits.clearance
         rebounds, clearances = zip(*left, strict=True) if left else ((), ())
         return replace(

@@ -77,7 +77,16 @@ class TurningSettings(Weighed):
         ge=0,
         le=1.5,
     )
-    turn_steps: Count = setting(4, "legs ahead in which a turn of the prey is considered", ge=0)
+    turn_steps: Count | None = setting(
+        None,
+        "legs ahead in which a turn of the prey is considered; by default as many as hazard_steps, a part counts whole",
+        ge=0,
+    )
+
+    @property
+    def legs_ahead(self) -> int:
+        """Legs ahead in which a turn of the prey is considered."""
+        return math.ceil(self.hazard_steps) if self.turn_steps is None else self.turn_steps
 
 
 class TurningPlanner(PairPlanner):
@@ -142,7 +151,7 @@ class TurningPlanner(PairPlanner):
         known: what :meth:`prey` returns, where that has been asked already.
         """
         known = self.prey(situation) if known is None else known
-        futures = turning_futures(situation.prey, known, self.leg, self.settings.turn_steps)
+        futures = turning_futures(situation.prey, known, self.leg, self.settings.legs_ahead)
         return futures if self.settings.prior or situation.transitions else futures.standing_still()
 
     def futures(self, situation: Situation) -> Futures:
