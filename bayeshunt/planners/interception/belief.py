@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from bayeshunt.models.body.forward import ForwardModel
 from bayeshunt.planners.interception.intercept import InterceptPlanner, InterceptSettings
-from bayeshunt.planners.interception.sampling import Samples
+from bayeshunt.planners.interception.sampling import BLOCKS, SAMPLES, Samples
 from bayeshunt.planners.settings import Count, Number, planner_settings, setting
 
 __all__ = ["BeliefPlanner", "BeliefSettings", "belief"]
@@ -17,8 +17,8 @@ class BeliefSettings(InterceptSettings):
     """Settings of the belief hunter: those of the interception hunter (``spread`` is not used), and its samples."""
 
     name: ClassVar[str] = "belief"
-    samples: Count = setting(64, "joint samples of hunter and prey, S", ge=2)
-    blocks: Count = setting(4, "independent sets of samples; each decision picks one with its rng", ge=1)
+    samples: Count = setting(SAMPLES, "joint samples of hunter and prey, S", ge=2)
+    blocks: Count = setting(BLOCKS, "independent sets of samples; each decision picks one with its rng", ge=1)
     bank_seed: Count = setting(0, "seeds the private generator of the samples", ge=0)
     prey_noise: Number = setting(
         1.0, "the prey's spread in direction and speed, in those of the hunter's own fastest straight gait", ge=0

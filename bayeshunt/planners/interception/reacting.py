@@ -11,7 +11,7 @@ import numpy as np
 
 from bayeshunt.core.geometry import FloatArray, Polar, wrap
 from bayeshunt.models.target.reactions import Reactions
-from bayeshunt.planners.interception.homing import Homing
+from bayeshunt.planners.interception.homing import CHASE_SHARE, Homing
 from bayeshunt.planners.interception.lookahead import Charge, Outlook, PairPaths, chance_within, keep_highest
 
 __all__ = ["Reacting", "look_ahead_of_reactions"]
@@ -20,8 +20,6 @@ __all__ = ["Reacting", "look_ahead_of_reactions"]
 _MOST = 8
 #: What a prey that turns gets away from its hunter, as a share of its speed, beyond both steps.
 _AWAY = 0.8
-#: Beyond them it goes at most at this share of the hunter's top speed: it might never be met.
-_CHASE_SHARE = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +67,7 @@ def look_ahead_of_reactions(
     some = _likeliest((after * first[:, None]).sum(axis=(0, 1)))
     second = after[..., some] / np.maximum(after[..., some].sum(axis=2, keepdims=True), 1e-12)
     two = one[:, -1, None, None] + paths[some] * np.exp(1j * turned)[:, None, None]  # [K, J, P]
-    pace = min(_AWAY * float(table.everywhere @ motions.distance) / duration, _CHASE_SHARE * homing.top_speed)
+    pace = min(_AWAY * float(table.everywhere @ motions.distance) / duration, CHASE_SHARE * homing.top_speed)
     outlook = _outlook(pairs, one, two.reshape(-1, two.shape[2]), homing, spread, pace)
     time = outlook.time if charge is None else charge(outlook).time
     likely = second[:, first.argmax()].argmax(axis=1)  # [G]

@@ -17,7 +17,10 @@ from bayeshunt.planners.interception.futures import Futures
 from bayeshunt.planners.interception.lookahead import PairPaths, gait_paths
 from bayeshunt.planners.search.rollouts import Outcomes
 
-__all__ = ["Samples"]
+__all__ = ["BLOCKS", "SAMPLES", "Samples"]
+
+#: Joint samples of both robots in a set, and independent sets, unless a planner is told others.
+SAMPLES, BLOCKS = 64, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,7 @@ class Samples:
 
     @classmethod
     def draw(
-        cls, model: ForwardModel, straight: float, *, samples: int = 64, blocks: int = 4, seed: int = 0,
+        cls, model: ForwardModel, straight: float, *, samples: int = SAMPLES, blocks: int = BLOCKS, seed: int = 0,
         prey_noise: float = 1.0,
     ) -> tuple[Samples, ...]:  # fmt: skip
         """Return independent sets of samples from a private generator seeded by ``seed``.
