@@ -18,7 +18,9 @@ __all__ = ["Side", "completed", "untouched_sides"]
 #: Walls are square to each other within so much [rad].
 _SQUARE = math.radians(10.0)
 #: A wall that was not touched is believed to be as far from the start as those that were, times each of these.
-_TIMES = (1.0, 1.0, 1.5)
+#: Chosen in five rooms, 0.9 by 0.9 to 1.1 by 2.0 m, after 20 and 50 gaits (seeds 1212 to 1223, 14 hunts each): against
+#: 1.0 alone hunts take 0.2 s longer in the squares and 0.5 to 1.2 s less in the oblong ones.
+_TIMES = (1.0, 1.5)
 
 
 class Side(NamedTuple):
