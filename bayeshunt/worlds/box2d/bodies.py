@@ -1,17 +1,16 @@
 """Robot bodies in Box2D: from a gait to a velocity, one physics step at a time.
 
 Box2D's unit of length is one hunter body, so that its float32 numbers stay near 1. These classes run once per physics
-step: plain floats, slots, and live vectors that Box2D hands out once (writing ``vector.x`` is one call, assigning
-``body.linearVelocity`` four).
+step: plain floats, slots, and live vectors that Box2D hands out once, read and written past their proxies (:func:`bound`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from math import cos, hypot, nan, sin
 from operator import mul
+from types import MethodType
 from typing import Any
 
 import Box2D
@@ -23,7 +22,7 @@ from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose, wrap
 from bayeshunt.worlds.noise import actuator_factors
 
-__all__ = ["Drive", "Parts"]
+__all__ = ["Drive", "Parts", "bound"]
 
 
 @dataclass(frozen=True)
@@ -50,9 +49,9 @@ class Drive:
     """
 
     __slots__ = (
-        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_send", "_traction", "_velocity",
-        "angle", "body", "energy", "factors", "falls", "length", "moving", "name", "placed", "settings", "slide",
-        "speed", "state", "target", "turn", "unit", "vx", "vy",
+        "_angular_sent", "_factors", "_limits", "_most", "_position", "_scale", "_send", "_send_turn", "_traction",
+        "_velocity", "angle", "body", "energy", "factors", "falls", "length", "moving", "name", "place_of", "placed",
+        "settings", "slide", "speed", "state", "target", "turn", "unit", "vx", "vy",
     )  # fmt: skip
 
     def __init__(self, parts: Parts) -> None:
@@ -71,8 +70,11 @@ class Drive:
         self.energy, self.falls, self.placed = 0.0, 0, False
         self._position = self.body.position  # live: follows the body
         self._velocity = self.body.linearVelocity  # live: writing it moves the body
-        self._send = self._velocity.Set  # writes both in one call
-        self.angle = partial(type(self.body).angle.fget, self.body)  # reads it without looking the property up
+        vector, kind = type(self._velocity), type(self.body)
+        self._send, self._send_turn = bound(vector.Set, self._velocity), bound(kind.angularVelocity.fset, self.body)
+        self.angle = bound(kind.angle.fget, self.body)
+        #: Calls that read x, y [Box2D units] and the angle [rad].
+        self.place_of = bound(vector.x.fget, self._position), bound(vector.y.fget, self._position), self.angle
         self._scale = 1.0 / self.unit
         self._limits = tuple(self.limits(parts.physics.step))
         count = len(self._limits)
@@ -151,7 +153,8 @@ class Drive:
         self._send(vx, vy)
         self.vx, self.vy = vx, vy
         if self.turn != self._angular_sent:
-            self.body.angularVelocity = self._angular_sent = self.turn
+            self._angular_sent = self.turn
+            self._send_turn(self.turn)
 
     def read_back(self) -> None:
         """Take over the velocity that a contact has left the body with."""
@@ -180,6 +183,11 @@ class Drive:
         """Put the body at ``pose`` [m, rad]; velocities and actuators stay as they are, a control interval begins."""
         self.body.transform = ((pose.x / self.unit, pose.y / self.unit), pose.theta)
         self.placed = True
+
+
+def bound(method: Any, thing: Any) -> Any:
+    """A method of a Box2D object as a call that does not look up the object behind its proxy: keep the proxy."""
+    return MethodType(getattr(method, "__func__", method), thing.this)
 
 
 #: Makes a body in Box2D: usually a subclass of :class:`Drive`.

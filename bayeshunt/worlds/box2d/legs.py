@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil, cos, hypot, pi, sin, sqrt
-from types import MethodType
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from bayeshunt.config.schema.legs import LeggedSettings
 from bayeshunt.core.errors import InputError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
-from bayeshunt.worlds.box2d.bodies import Drive, Parts
+from bayeshunt.worlds.box2d.bodies import Drive, Parts, bound
 from bayeshunt.worlds.box2d.frame import LegFrame
 from bayeshunt.worlds.box2d.support import supports
 
@@ -87,12 +86,12 @@ class Legs(Drive):
         turns, effort = ("angle", "GetMotorTorque") if frame.revolute else ("translation", "GetMotorForce")
         kind = type(frame.hips[0])
         self._legs = [
-            (i, 1 << i, _bound(getattr(kind, turns).fget, hip), _bound(kind.motorSpeed.fset, hip))
+            (i, 1 << i, bound(getattr(kind, turns).fget, hip), bound(kind.motorSpeed.fset, hip))
             for i, hip in enumerate(frame.hips)
         ]
-        self._servos = [(_bound(getattr(kind, effort), hip), _bound(kind.speed.fget, hip)) for hip in frame.hips]
-        self._step = _bound(type(frame.world).Step, frame.world)
-        self._feet = [_bound(type(foot).maxForce.fset, foot) for foot in frame.feet]
+        self._servos = [(bound(getattr(kind, effort), hip), bound(kind.speed.fget, hip)) for hip in frame.hips]
+        self._step = bound(type(frame.world).Step, frame.world)
+        self._feet = [bound(type(foot).maxForce.fset, foot) for foot in frame.feet]
         # a revolute leg of the left goes forwards as it turns clockwise
         self._sides = [-1.0 if frame.revolute and y > 0 else 1.0 for y in legs.y]
         self._supports = supports(frame.places)
@@ -262,11 +261,6 @@ class Legs(Drive):
             "factors",
         ):  # fmt: skip
             setattr(self, name, getattr(other, name))
-
-
-def _bound(method: Any, thing: Any) -> Any:
-    """A method of a Box2D object as a call that does not look up the object behind its proxy: keep the proxy."""
-    return MethodType(getattr(method, "__func__", method), thing.this)
 
 
 def _grips(friction: float, spread: float, rng: np.random.Generator) -> Iterator[float]:

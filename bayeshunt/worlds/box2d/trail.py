@@ -8,10 +8,7 @@ from typing import Any, overload
 from bayeshunt.core.geometry import Pose, wrap
 from bayeshunt.core.messages import Moment
 
-__all__ = ["Place", "Trail"]
-
-#: x, y [Box2D units] and angle [rad, not wrapped] of a body.
-Place = tuple[float, float, float]
+__all__ = ["Trail"]
 
 
 class Trail(Sequence[Moment]):
@@ -22,10 +19,11 @@ class Trail(Sequence[Moment]):
     def __init__(self, names: Iterable[str], unit: float, step: float) -> None:
         """names: of the bodies. unit: metres per Box2D unit. step: seconds of a physics step."""
         self._names, self._unit, self._step = tuple(names), unit, step
-        self._rows: list[tuple[int, list[Place]]] = []
+        self._rows: list[tuple[int, list[float]]] = []
         self._last: tuple[Any, Any] = (None, None)  # a row that was asked for, and its moment
-        #: Adds a moment: the physics steps since the reset, and where each body is. A list's own method: it runs often.
-        self.note: Callable[[tuple[int, list[Place]]], None] = self._rows.append
+        #: Adds a moment: the physics steps since the reset, and x, y [Box2D units] and angle [rad, not wrapped] of one
+        #: body after the other. A list's own method: it runs often.
+        self.note: Callable[[tuple[int, list[float]]], None] = self._rows.append
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -42,10 +40,11 @@ class Trail(Sequence[Moment]):
             self._last = row, self._moment(row)
         return self._last[1]
 
-    def _moment(self, row: tuple[int, list[Place]]) -> Moment:
+    def _moment(self, row: tuple[int, list[float]]) -> Moment:
         steps, places = row
         unit = self._unit
-        poses = {}
-        for name, (x, y, angle) in zip(self._names, places, strict=True):
-            poses[name] = Pose(x * unit, y * unit, wrap(angle))
+        poses, at = {}, 0
+        for name in self._names:
+            poses[name] = Pose(places[at] * unit, places[at + 1] * unit, wrap(places[at + 2]))
+            at += 3
         return Moment(steps * self._step, poses)

@@ -21,7 +21,7 @@ from bayeshunt.core.geometry import Pose
 from bayeshunt.core.messages import Moment, Reach, Run
 from bayeshunt.core.protocols import Map
 from bayeshunt.worlds.bodies import body_factory
-from bayeshunt.worlds.box2d.bodies import Drive, Parts
+from bayeshunt.worlds.box2d.bodies import Drive, Parts, bound
 from bayeshunt.worlds.box2d.trail import Trail
 from bayeshunt.worlds.box2d.version import version
 from bayeshunt.worlds.maps import map_of
@@ -34,7 +34,7 @@ __all__ = ["Box2DWorld", "build_obstacles", "build_walls", "new_world"]
 _MARGIN = 4.0
 #: Box2D units by which two bodies come nearer in a step at most: it moves none by more than 2.
 _WAY = 4.0
-#: A prey: its place in the order of the bodies, what takes its wheel speeds, what gives them.
+#: A prey: where its place begins among those of all bodies, what takes its wheel speeds, what gives them.
 _Steered = tuple[int, Callable[[tuple[float, ...]], None], Callable[..., tuple[float, float]]]
 
 
@@ -80,7 +80,7 @@ class Box2DWorld:
         if self._gap() <= self._near:
             return Run(trail, until and until.whom)
         self._begin_interval_if_placed()
-        steered = [(n, body.drive, mind.act) for n, body, mind in self._prey if body.name not in gaits]
+        steered = [(3 * n, body.drive, mind.act) for n, body, mind in self._prey if body.name not in gaits]
         remaining = self.physics.steps(duration) if duration > 0 else 0
         if not remaining:
             return Run(trail)
@@ -112,7 +112,9 @@ class Box2DWorld:
 
     def _begin(self) -> None:
         self.world, physics = new_world(), self.physics
-        self._step = partial(self.world.Step, physics.step, physics.velocity_iterations, physics.position_iterations)
+        iterations = physics.velocity_iterations, physics.position_iterations
+        self._step = partial(bound(type(self.world).Step, self.world), physics.step, *iterations)
+        self._contacts = bound(type(self.world).contactCount.fget, self.world)
         self.bodies, self._prey = {}, []
         self._steps = self._phase = 0
         self._until: object = self  # nothing yet
@@ -135,8 +137,8 @@ class Box2DWorld:
         self._moves = tuple(drive.advance for drive in self._drives)
         self._begins = tuple(drive.next_interval for drive in self._drives)
         self._reads = tuple(drive.read_back for drive in self._drives)
-        self._live = [(drive.position, drive.angle) for drive in self._drives]
-        self._hunter = list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
+        self._places = tuple(read for drive in self._drives for read in drive.place_of)
+        self._hunter = 3 * list(self.bodies).index(HUNTER) if HUNTER in self.bodies else 0
         return body
 
     def _make(self, parts: Parts, drive: str) -> Drive:
@@ -155,10 +157,10 @@ class Box2DWorld:
             return
         self._until = until
         if until is None:
-            self._pair, reach, self._near = (0, 0), 0.0, -1.0
+            self._pair, reach, self._near = (0, 0), 0.0, -1.0  # where their places begin among those of all bodies
         else:
             drives = self._drives
-            self._pair = drives.index(self._body(until.who)), drives.index(self._body(until.whom))
+            self._pair = 3 * drives.index(self._body(until.who)), 3 * drives.index(self._body(until.whom))
             reach = until.distance / self.unit
             self._near = reach**2
         # Two bodies in the open can touch nothing but each other, and that only when they are near.
@@ -169,8 +171,8 @@ class Box2DWorld:
 
     def _gap(self) -> float:
         """The square of the pair's distance [Box2D units]."""
-        one, other = (self._drives[number].position for number in self._pair)
-        dx, dy = one.x - other.x, one.y - other.y
+        places, (who, whom) = self._places, self._pair
+        dx, dy = places[who]() - places[whom](), places[who + 1]() - places[whom + 1]()
         return float(dx * dx + dy * dy)
 
     def _begin_interval_if_placed(self) -> None:
@@ -185,20 +187,20 @@ class Box2DWorld:
         without calls of its own: it is where the time of all hunts goes. Where the bodies are is read once an
         interval; within it, only while the pair is so near that it may meet before the end.
         """
-        (who, whom), near, (catch, touch, soon), world = self._pair, self._near, self._within, self.world
-        live, begins, moves, step, note = self._live, self._begins, self._moves, self._step, trail.note
-        (one, _), (other, _), reads = live[who], live[whom], self._reads
-        control, unit, hunter = self.physics.control_steps, self.unit, self._hunter
+        (who, whom), near, (catch, touch, soon), contacts = self._pair, self._near, self._within, self._contacts
+        live, begins, moves, step, note = self._places, self._begins, self._moves, self._step, trail.note
+        one_x, one_y, _, other_x, other_y, _ = *live[who : who + 3], *live[whom : whom + 3]
+        reads, control, unit, hunter = self._reads, self.physics.control_steps, self.unit, self._hunter
         steps, phase, end = self._steps, self._phase, self._steps + remaining
-        places = [(at.x, at.y, angle()) for at, angle in live]
+        places = [read() for read in live]
         gap = self._gap()
         while True:
             if not phase:
                 for begin in begins:
                     begin()
-                for number, steer, act in steered:
-                    (own_x, own_y, theta), (x, y, _) = places[number], places[hunter]
-                    steer(act(own_x * unit, own_y * unit, theta, x * unit, y * unit))
+                for at, steer, act in steered:
+                    x, y = places[hunter] * unit, places[hunter + 1] * unit
+                    steer(act(places[at] * unit, places[at + 1] * unit, places[at + 2], x, y))
             left = min(control - phase, end - steps)
             may_catch, may_touch = gap < catch, gap < soon
             phase, steps = (phase + left) % control, steps + left
@@ -209,19 +211,17 @@ class Box2DWorld:
                 left -= 1
                 if not left:
                     break
-                if may_touch and world.contactCount:
+                if may_touch and contacts():
                     for read_back in reads:
                         read_back()
                 if may_catch:
-                    dx, dy = one.x - other.x, one.y - other.y
+                    dx, dy = one_x() - other_x(), one_y() - other_y()
                     if dx * dx + dy * dy <= near:
                         break
-            places = []
-            for at, angle in live:
-                places.append((at.x, at.y, angle()))
-            dx, dy = places[who][0] - places[whom][0], places[who][1] - places[whom][1]
+            places = [read() for read in live]
+            dx, dy = places[who] - places[whom], places[who + 1] - places[whom + 1]
             gap = dx * dx + dy * dy
-            if gap < touch and world.contactCount:
+            if gap < touch and contacts():
                 for read_back in reads:
                     read_back()
             steps, phase = steps - left, (phase - left) % control
