@@ -17,7 +17,7 @@ from bayeshunt.core.arguments import checked_but
 from bayeshunt.core.errors import InputError, did_you_mean, shown
 from bayeshunt.core.geometry import wrap
 from bayeshunt.worlds.noise import gaussians
-from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, Solid, proximity
+from bayeshunt.worlds.prey.proximity import KHEPERA_DIAMETER, MOUNT_RADIUS, Solid, proximity
 from bayeshunt.worlds.scene import Scene
 
 __all__ = [
@@ -110,24 +110,31 @@ class Braitenberg:
         self._walls = None if context.walls is None else (context.walls[0] * scale, context.walls[1] * scale)
         self._solids = tuple(Solid.of(obstacle, scale) for obstacle in context.arena.obstacles)
         self._hunter_radius = 0.5 * context.hunter_diameter * scale if context.settings.senses_hunter else None
+        self._reach = MOUNT_RADIUS + self._range
+        # what alone can come within reach: half width and half height, infinite in the open; None: other things too
+        alone = self._hunter_radius is None and not self._solids
+        self._only = (self._walls or (math.inf, math.inf)) if alone else None
         self._metres_per_unit = context.settings.speed / sum(row[0] for row in BRAITENBERG)
-        self._free = self._wheels([0.0] * 8)
         self._normals = gaussians(context.rng)
+        self._free = self._wheels([0.0] * 8)
 
     def act(self, x: float, y: float, theta: float, hunter_x: float, hunter_y: float) -> tuple[float, float]:
         """See :class:`Prey`."""
-        scale = self._scale
+        scale, only, reach = self._scale, self._only, self._reach
+        if only is not None and abs(x * scale) + reach < only[0] and abs(y * scale) + reach < only[1]:
+            return self._free  # what proximity() would find, without asking it: it is so most of the time
         disc = None if self._hunter_radius is None else (hunter_x * scale, hunter_y * scale, self._hunter_radius)
         values = proximity(x * scale, y * scale, theta, self._range, self._walls, disc, self._solids)
         if values is None:
             return self._free
-        noise, normals = self._noise, self._normals
-        return self._wheels([s * (1.0 + noise * next(normals)) if s else 0.0 for s in values])
+        return self._wheels(values)
 
     def _wheels(self, values: list[float]) -> tuple[float, float]:
+        """Wheel speeds [m/s] for noise-free sensor values; those that are not 0 have noise."""
+        noise, normals = self._noise, self._normals
         left = right = 0.0
         for (to_left, to_right), value in zip(BRAITENBERG, values, strict=True):
-            excitation = 1.0 - value / 512.0
+            excitation = 1.0 - value * (1.0 + noise * next(normals)) / 512.0 if value else 1.0
             left += to_left * excitation
             right += to_right * excitation
         scale = self._metres_per_unit

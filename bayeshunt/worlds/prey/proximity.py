@@ -135,30 +135,34 @@ def proximity(
     disc: centre x, y and radius [m] of another robot, None when it is not sensed. solids: obstacles.
     """
     reach = MOUNT_RADIUS + sensor_range
-    if walls is not None and abs(x) + reach < walls[0] and abs(y) + reach < walls[1]:
-        walls = None
+    half_width, half_height = (inf, inf) if walls is None else walls
+    beside, before = abs(x) + reach >= half_width, abs(y) + reach >= half_height  # a wall at the end of x, of y
     if disc is not None and hypot(disc[0] - x, disc[1] - y) > reach + disc[2]:
         disc = None
     if solids:
         solids = [solid for solid in solids if hypot(solid.x - x, solid.y - y) <= reach + solid.reach]
-    if walls is None and disc is None and not solids:
+    if not (beside or before or solids) and disc is None:
         return None
-    half_width, half_height = (inf, inf) if walls is None else walls
     values = []
     for distance, mount, direction in _MOUNTS:
-        # rays() and distance_to_walls(), written out: it is done eight times in every control interval at a wall
-        bearing, towards = theta + mount, theta + direction
-        ox, oy = x + distance * cos(bearing), y + distance * sin(bearing)
-        dx, dy = cos(towards), sin(towards)
-        nearest = (half_width - ox) / dx if dx > 0 else (-half_width - ox) / dx if dx < 0 else inf
-        along_y = (half_height - oy) / dy if dy > 0 else (-half_height - oy) / dy if dy < 0 else inf
-        if along_y < nearest:
-            nearest = along_y
+        # rays() and distance_to_walls() of the walls that any ray may reach, written out: it is done eight times in
+        # every control interval at a wall
+        bearing, towards, nearest = theta + mount, theta + direction, inf
+        if beside:
+            ox, dx = x + distance * cos(bearing), cos(towards)
+            nearest = (half_width - ox) / dx if dx > 0 else (-half_width - ox) / dx if dx < 0 else inf
+        if before:
+            oy, dy = y + distance * sin(bearing), sin(towards)
+            along_y = (half_height - oy) / dy if dy > 0 else (-half_height - oy) / dy if dy < 0 else inf
+            if along_y < nearest:
+                nearest = along_y
         if nearest < 0.0:
             nearest = 0.0
-        if disc is not None:
-            nearest = min(nearest, distance_to_disc(ox, oy, dx, dy, *disc))
-        for solid in solids:
-            nearest = min(nearest, solid.distance(ox, oy, dx, dy))
+        if disc is not None or solids:
+            ray = x + distance * cos(bearing), y + distance * sin(bearing), cos(towards), sin(towards)
+            if disc is not None:
+                nearest = min(nearest, distance_to_disc(*ray, *disc))
+            for solid in solids:
+                nearest = min(nearest, solid.distance(*ray))
         values.append(MAX_VALUE * (1.0 - nearest / sensor_range) if nearest < sensor_range else 0.0)
     return values
