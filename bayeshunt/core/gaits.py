@@ -130,6 +130,8 @@ class GaitRepertoire(displays.Displayed, Sequence[Gait]):
 
         Raises InputError naming the gaits for anything else: a negative number, a bool, a fraction.
         """
+        if type(gait) is int and 0 <= gait < len(self.gaits):  # as environments say it, step after step
+            return gait
         if isinstance(gait, (str, Gait)):
             return self.index(gait)
         place = gait.item() if isinstance(gait, (np.ndarray, np.generic)) and np.size(gait) == 1 else gait

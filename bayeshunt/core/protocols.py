@@ -113,7 +113,7 @@ class PreyBehaviour(Protocol):
 
 @runtime_checkable
 class Sensor(Protocol):
-    """Looks at what a world did."""
+    """Looks at what a world did. One that needs only the last moment of a run may say so by ``at_end = True``."""
 
     def sense(self, run: Run, map: Map, *, rng: np.random.Generator) -> Observation:
         """Return what was seen of ``run``, empty looks too. The start of a hunt is a run of one moment."""

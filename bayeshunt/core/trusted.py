@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, TypeVar
 
 __all__ = ["trusted"]
@@ -10,12 +9,12 @@ __all__ = ["trusted"]
 T = TypeVar("T")
 
 
-def trusted(kind: type[T], parts: Mapping[str, Any]) -> T:
-    """Return a dataclass of these fields, unchecked; one that is not given has its default.
+def trusted(kind: type[T], parts: dict[str, Any]) -> T:
+    """Return a dataclass of these fields, unchecked; one that is not given has its default. ``parts`` becomes its own.
 
     For the one place that makes a value at every step of every hunt, of parts that it has itself just made: a frozen
     dataclass takes five times as long by its constructor.
     """
     value = object.__new__(kind)
-    value.__dict__.update(parts)
+    object.__setattr__(value, "__dict__", parts)
     return value

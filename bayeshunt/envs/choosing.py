@@ -96,13 +96,14 @@ def report(pursuit: Pursuit, theta: float, seed: int) -> dict[str, Any]:
     """Return an info, plain numbers: the same keys at every step, and what names the episode."""
     return {
         "time": float(pursuit.time), "distance": _distance(pursuit), "is_success": bool(pursuit.caught),
-        "gaits": pursuit.result.decisions, "theta": theta, "hunt_seed": seed,
+        "gaits": pursuit.decisions, "theta": theta, "hunt_seed": seed,
     }  # fmt: skip
 
 
 def _distance(pursuit: Pursuit) -> float:
     """Metres between the two robots' centres."""
-    hunter, prey = pursuit.moment.poses["hunter"], pursuit.moment.poses["prey"]
+    poses = pursuit.moment.poses
+    hunter, prey = poses["hunter"], poses["prey"]
     return math.hypot(prey.x - hunter.x, prey.y - hunter.y)
 
 

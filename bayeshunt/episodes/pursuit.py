@@ -61,6 +61,9 @@ class Pursuit:
 
     told: whether a situation holds the true map, where obstacles stand; for yardsticks.
 
+    What the hunter perceives is worked out when somebody asks, of all steps since then and in their order: whoever only
+    steps pays for physics alone, and the situation is the same.
+
     gaits: the hunter's repertoire. rng: what a planner draws from. moments: what the last step did, one at the end of
     each control interval. prey_model, observed: see :class:`~bayeshunt.episodes.perceiver.Perceiver`.
 
@@ -85,6 +88,7 @@ class Pursuit:
             sensing.camera, sensing.start, known.motion, known.walls, known.obstacles,
         )  # fmt: skip
         self._sensor = make_sensor(sensing.sensor, context, sensing.sensor_settings)
+        self._at_end = getattr(self._sensor, "at_end", False)
         tracker = make_tracker(sensing.tracker, context, sensing.tracker_settings)
         model = (
             make_prey_model(settings.prey.model, _prey_axes(settings, self.gaits))
@@ -97,18 +101,35 @@ class Pursuit:
             map=ForBody(self.trial.world.map, self.trial.start, radius) if told and among else None,
         )  # fmt: skip
         self._run = Run((self.trial.moment,))
+        self._unseen: list[tuple[Run, str]] = []  # what was not looked at yet, and the gait that followed
         self._situation: Situation | None = None
+        self._previous: str | None = None
+        #: Gaits executed so far.
+        self.decisions = 0
         self._changes = 0
 
     @property
     def situation(self) -> Situation:
         """What the hunter knows now; of the time after the end too."""
         if self._situation is None:
-            trial = self.trial
-            seen = self._sensor.sense(self._run, trial.world.map, rng=self._sensor_rng)
-            future = Future(*trial.future(self._foresight)) if self._foresight else None
-            self._situation = self._perceiver.consider(seen, future)
+            future = Future(*self.trial.future(self._foresight)) if self._foresight else None
+            self._situation = self._perceived().consider(self._sensed(self._run), future)
         return self._situation
+
+    def _kept(self, run: Run) -> Run:
+        """What the sensor needs of a run."""
+        return Run((self.trial.moment,)) if self._at_end else run
+
+    def _sensed(self, run: Run) -> Observation:
+        return self._sensor.sense(run, self.trial.world.map, rng=self._sensor_rng)
+
+    def _perceived(self) -> Perceiver:
+        """Return the perceiver, which has looked at all that was there before the last gait."""
+        for run, gait in self._unseen:
+            self._perceiver.consider(self._sensed(run))
+            self._perceiver.execute(gait)
+        self._unseen.clear()
+        return self._perceiver
 
     def step(self, gait: str | int | Gait, prey: Gait | None = None, *, nodes: int = 0) -> None:
         """Execute a gait for one time-step, until the catch, or for what is left of the hunt.
@@ -119,15 +140,19 @@ class Pursuit:
         or after the end.
         """
         chosen = self.gaits.gaits[self.gaits.number(gait)]
-        if self.done:
+        if self.trial.done:
             raise InputError(f"the hunt is over: {'caught' if self.caught else 'time is up'}; start another one")
-        before, _ = self._perceiver.previous, self.situation  # what was seen before the gait must have been looked at
+        before, self._previous = self._previous, chosen.name
         self._changes += before is not None and chosen.name != before
-        self._perceiver.execute(chosen.name)
-        thought = self._thought(nodes)
+        self.decisions += 1
+        if self._situation is None:
+            self._unseen.append((self._kept(self._run), chosen.name))
+        else:
+            self._perceiver.execute(chosen.name)
+            self._situation = None
+        thought = self._thought(nodes) if nodes else 0.0
         held = self.gaits[before] if thought and before is not None else None
         self._run = self.trial.step(chosen, prey, thought=thought, held=held)
-        self._situation = None
 
     def _thought(self, nodes: int) -> float:
         """Seconds that weighing ``nodes`` takes."""
@@ -147,7 +172,7 @@ class Pursuit:
     @property
     def time(self) -> float:
         """Seconds since the start; at the end those to the catch, the time limit if there was none."""
-        return self.trial.time if self.done else self.trial.moment.time
+        return self.trial.time if self.trial.done else self.trial.moment.time
 
     @property
     def moment(self) -> Moment:
@@ -162,23 +187,23 @@ class Pursuit:
     @property
     def observation(self) -> Observation | None:
         """What the sensor has seen of the last step."""
-        return self._perceiver.observation
+        return self._perceived().observation
 
     @property
     def observed(self) -> Polar | None:
         """The prey transition that the present situation has learned, if any."""
-        return self._perceiver.observed
+        return self._perceived().observed
 
     @property
     def prey_model(self) -> TargetModel:
         """What has been learned of the prey; it goes on learning."""
-        return self._perceiver.prey_model
+        return self._perceived().prey_model
 
     @property
     def result(self) -> Result:
         """How the hunt ended (or stands)."""
-        trial, steps = self.trial, self._perceiver.steps
-        return Result(trial.caught, trial.time, steps, self._changes, trial.distance, trial.energy, trial.falls)
+        trial, taken = self.trial, (self.decisions, self._changes)
+        return Result(trial.caught, trial.time, *taken, trial.distance, trial.energy, trial.falls)
 
 
 def _prey_axes(settings: ExperimentSettings, gaits: GaitRepertoire) -> EffectAxes:

@@ -10,7 +10,7 @@ from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.core.errors import BayesHuntError
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import FloatArray, Polar
-from bayeshunt.core.messages import Reach, Run
+from bayeshunt.core.messages import Moment, Reach, Run
 from bayeshunt.core.task import Task
 from bayeshunt.worlds.foresight import foresee
 from bayeshunt.worlds.registry import make_world
@@ -20,7 +20,11 @@ __all__ = ["Trial"]
 
 
 class Trial:
-    """A hunt in progress, from the reset to the catch or the time limit."""
+    """A hunt in progress, from the reset to the catch or the time limit.
+
+    moment: where both robots are. caught: whether the prey is. time_left: seconds in whole physics steps until the
+    time limit. done: whether it is caught or time is up. distance [m], energy [J]: of the hunter, so far.
+    """
 
     def __init__(
         self, settings: ExperimentSettings, arena: str, theta: float, streams: dict[str, np.random.Generator]
@@ -30,31 +34,21 @@ class Trial:
         self.settings = settings
         # whole physics steps until the time limit, which a catch must not outlast; at least one in all
         self._steps = max(1, math.floor(settings.protocol.time_limit / settings.physics.step + 1e-9))
-        self._step = settings.physics.step
+        self._step, self._held = settings.physics.step, settings.robot.gait_duration
         self.task = Task(settings.protocol.catch_distance * body, settings.protocol.time_limit)
         self.reach = Reach(HUNTER, PREY, settings.protocol.catch_distance * body)
         scene = Scene(settings.robot, settings.prey, settings.arenas[arena], settings.physics)
         self.world = make_world(settings.world, scene)
         hunter, prey = settings.starting_poses(theta)
-        self.moment = self.world.reset({HUNTER: hunter, PREY: prey}, streams)
-        self.start = self.moment.poses[HUNTER]  # the origin of its odometry
-        self.caught = self.world.run({}, 0.0, self.reach).stopped is not None
+        moment = self.world.reset({HUNTER: hunter, PREY: prey}, streams)
+        self.start = moment.poses[HUNTER]  # the origin of its odometry
+        self._arrive(moment, self.world.run({}, 0.0, self.reach))
         self.distance = self.energy = 0.0
 
     @property
     def falls(self) -> int:
         """How often the hunter fell so far."""
         return self.world.bodies[HUNTER].falls
-
-    @property
-    def time_left(self) -> float:
-        """Seconds in whole physics steps until the time limit."""
-        return (self._steps - round(self.moment.time / self._step)) * self._step
-
-    @property
-    def done(self) -> bool:
-        """Whether the prey is caught or time is up."""
-        return self.caught or not self.time_left > 0
 
     @property
     def time(self) -> float:
@@ -67,22 +61,33 @@ class Trial:
         thought: seconds of the time-step for which it still thinks, in whole physics steps; the world goes on, and it
         holds ``held``, the gait before (None: it stands).
         """
-        before, step = self.moment, self._step
-        left = min(self.settings.robot.gait_duration, self.time_left)
-        wait = min(math.floor(thought / step + 1e-9) * step, left) if thought else 0.0
-        others = {} if prey is None else {PREY: prey}
-        run = Run(())
-        if wait > 0:
-            run = self.world.run(others if held is None else {HUNTER: held, **others}, wait, self.reach)
-        if run.stopped is None and left - wait > 0.5 * step:
-            run = _joined(run, self.world.run({HUNTER: gait, **others}, left - wait, self.reach))
+        before, left = self.moment, min(self._held, self.time_left)
+        gaits = {HUNTER: gait} if prey is None else {HUNTER: gait, PREY: prey}
+        run = self._thinking(gaits, held, left, thought) if thought else self.world.run(gaits, left, self.reach)
         now = run.moments[-1] if run.moments else before
         if not now.time > before.time:
             raise BayesHuntError(f"world {self.settings.world!r}: a run of a gait took no time; run check_world on it")
-        self.moment, self.caught = now, run.stopped is not None
-        start, end = before.poses[HUNTER], self.moment.poses[HUNTER]
+        self._arrive(now, run)
+        start, end = before.poses[HUNTER], now.poses[HUNTER]
         self.distance += math.hypot(end.x - start.x, end.y - start.y)
         self.energy += run.energy.get(HUNTER, 0.0)
+        return run
+
+    def _arrive(self, moment: Moment, run: Run) -> None:
+        self.moment, self.caught = moment, run.stopped is not None
+        self.time_left = (self._steps - round(moment.time / self._step)) * self._step
+        self.done = self.caught or not self.time_left > 0
+
+    def _thinking(self, gaits: dict[str, Gait], held: Gait | None, left: float, thought: float) -> Run:
+        """Run for ``left`` [s], while the hunter still holds the gait before (None: it stands)."""
+        step = self._step
+        wait = min(math.floor(thought / step + 1e-9) * step, left)
+        run = Run(())
+        if wait > 0:
+            others = {name: gait for name, gait in gaits.items() if name != HUNTER}
+            run = self.world.run(others if held is None else {HUNTER: held, **others}, wait, self.reach)
+        if run.stopped is None and left - wait > 0.5 * step:
+            run = _joined(run, self.world.run(gaits, left - wait, self.reach))
         return run
 
     def future(self, duration: float) -> tuple[FloatArray, Polar[FloatArray]]:

@@ -31,6 +31,8 @@ _UNIT = 10.0
 _PLACE, _MOVE = 20.0, 5.0
 _SCALES = (_PLACE,) * 3 + (1.0,) * 4 + (1.0, _MOVE, _MOVE, 1.0, 1.0) + (_PLACE, _PLACE, 1.0, 1.0)
 _SIGNED = (True, True, False) + (True,) * 4 + (False,) + (True,) * 8
+#: What is said of a transition that was not observed, of a pose that is not known; where the gait before begins.
+_NONE_MOVED, _NO_POSE, _BEFORE = (0.0,) * 5, (0.0,) * 4, 17
 
 
 def bounds(gaits: GaitRepertoire) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -75,17 +77,21 @@ def encode(
     gaits: the hunter's, which give the scale and the size. before: which of the 1 + G last numbers is 1; None: none.
     sure: mean resultant length of the heading seen.
     """
-    unit = _UNIT * gaits.need("body_length")
-    told = [0.0] * (1 + len(gaits))
-    if before is not None:
-        told[before] = 1.0
+    cos, sin, unit = math.cos, math.sin, _UNIT * gaits.need("body_length")
+    _, bearing, heading = seen
     numbers = [
-        seen.forward / unit, seen.right / unit, seen.distance / unit, *_direction(seen.angle),
-        *(sure * part for part in _direction(seen.heading)),
-        *([0.0] * 5 if moved is None else [1.0, moved.forward / unit, moved.right / unit, *_direction(moved.heading)]),
-        *([0.0] * 4 if own is None else [own.x / unit, own.y / unit, *_direction(own.theta)]),
-        left, *told,
+        seen.forward / unit, seen.right / unit, seen.distance / unit, cos(bearing), sin(bearing),
+        sure * cos(heading), sure * sin(heading),
     ]  # fmt: skip
+    if moved is None:
+        numbers += _NONE_MOVED
+    else:
+        turn = moved.heading
+        numbers += (1.0, moved.forward / unit, moved.right / unit, cos(turn), sin(turn))
+    numbers += _NO_POSE if own is None else (own.x / unit, own.y / unit, cos(own.theta), sin(own.theta))
+    numbers += (left, *[0.0] * (1 + len(gaits)))
+    if before is not None:
+        numbers[_BEFORE + before] = 1.0
     low, high = _bounds(len(gaits))
     values = np.array(numbers, dtype=np.float32)
     np.maximum(values, low, out=values)
@@ -176,7 +182,3 @@ def planner_policy(planner: Planner, env: Any) -> _Policy:
     if not hasattr(getattr(env, "unwrapped", None), "pursuit"):
         raise InputError(f"env: expected an environment of bayeshunt.envs, got {shown(env)}")
     return _Policy(planner, env)
-
-
-def _direction(angle: float) -> tuple[float, float]:
-    return math.cos(angle), math.sin(angle)

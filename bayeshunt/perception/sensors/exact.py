@@ -15,6 +15,8 @@ __all__ = ["ExactSensor", "exact_observation"]
 class ExactSensor:
     """Sees the prey at the end of a step, wherever it is: see ``bayeshunt.protocols.Sensor``."""
 
+    at_end = True
+
     def __init__(self, context: PerceptionContext) -> None:
         self.context = context
 

@@ -1,7 +1,8 @@
 """Robot bodies in Box2D: from a gait to a velocity, one physics step at a time.
 
 Box2D's unit of length is one hunter body, so that its float32 numbers stay near 1. These classes run once per physics
-step: plain floats, slots, and live vectors that Box2D hands out once, read and written past their proxies (:func:`bound`).
+step: plain floats, slots, and live vectors that Box2D hands out once, read and written past their proxies
+(:func:`bound`).
 """
 
 from __future__ import annotations

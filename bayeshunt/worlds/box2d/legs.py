@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil, cos, hypot, pi, sin, sqrt
-from typing import Any
 
 import numpy as np
 

@@ -188,9 +188,10 @@ class Box2DWorld:
         interval; within it, only while the pair is so near that it may meet before the end.
         """
         (who, whom), near, (catch, touch, soon), contacts = self._pair, self._near, self._within, self._contacts
-        live, begins, moves, step, note = self._places, self._begins, self._moves, self._step, trail.note
+        live, begins, moves, step = self._places, self._begins, self._moves, self._step
         one_x, one_y, _, other_x, other_y, _ = *live[who : who + 3], *live[whom : whom + 3]
         reads, control, unit, hunter = self._reads, self.physics.control_steps, self.unit, self._hunter
+        passed, note = trail.steps.append, trail.places.extend
         steps, phase, end = self._steps, self._phase, self._steps + remaining
         places = [read() for read in live]
         gap = self._gap()
@@ -225,7 +226,8 @@ class Box2DWorld:
                 for read_back in reads:
                     read_back()
             steps, phase = steps - left, (phase - left) % control
-            note((steps, places))
+            passed(steps)
+            note(places)
             if gap <= near or steps == end:
                 break
         self._steps, self._phase = steps, phase
