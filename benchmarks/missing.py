@@ -1,8 +1,11 @@
-"""What a hunter would have to know to be as soon as its bound: two interventions.
+"""What a hunter would have to know to be as soon as its bound: three interventions.
 
 ``python -m benchmarks.missing side [--runs 4] [--seed 1000 ...]``: preset oses2010, walled, the bearings at which the
 prey sets out head on to a wall. Every gait is tried as the first one, ``intercept_walls`` goes on; beside it the same
 in the mirrored world, in which the prey turns to the other side. A hunter that does not know the side gets the mean.
+
+``python -m benchmarks.missing bound [--runs 1] [--seed 1000 ...] [--gaits 4]``: the same, and after the first gait the
+best of all sequences, as if all were known from then on: no planner that is not told the side can be sooner.
 
 ``python -m benchmarks.missing noise [--runs 16] [--samples 48] [--seed 1000 ...]``: preset slippery, open. Value
 iteration over the relative pose, told the motion of both robots, of one, or of none: then the hunter's own is its
@@ -13,7 +16,6 @@ it has been seen.
 from __future__ import annotations
 
 import argparse
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +23,6 @@ import numpy as np
 from bayeshunt.config.loading import load_experiment
 from bayeshunt.config.schema import ExperimentSettings
 from bayeshunt.episodes.loop import run_hunt
-from bayeshunt.experiments.preparation import learn_rooms, prepare_planner
 from bayeshunt.experiments.protocol import hunt_seed, learn_model
 from bayeshunt.experiments.studies.references import reference
 from bayeshunt.models.body.forward import ForwardModel
@@ -31,46 +32,7 @@ from bayeshunt.planners.interception.homing import CHASE_SHARE
 from bayeshunt.planners.interception.intercept import InterceptPlanner
 from bayeshunt.planners.interception.lookahead import gait_paths
 from bayeshunt.planners.search.rollouts import Outcomes
-
-_OTHER = {"left": "right", "right": "left"}
-
-
-class FirstGait:
-    """A planner whose first gait is given."""
-
-    def __init__(self, planner: Planner, gait: str) -> None:
-        self.name, self.planner, self.gait = planner.name, planner, gait
-
-    def plan(self, situation: Situation, *, rng: np.random.Generator) -> Plan:
-        """Return the given gait, and after it what the planner says."""
-        return self.planner.plan(situation, rng=rng) if situation.step else Plan(self.gait)
-
-
-def first_gaits(theta: float, seeds: list[int], runs: int) -> dict[str, float]:
-    """Return the mean time [s] after each first gait."""
-    settings = load_experiment("oses2010", {"protocol.thetas": [theta], "protocol.runs": 1})
-    times: dict[str, list[float]] = {}
-    for seed in seeds:
-        model = learn_model(settings, seed)
-        rooms = learn_rooms(settings, ["intercept_walls"], ["walled"], seed, model)
-        planner = prepare_planner("intercept_walls", model, settings, rooms, "walled")
-        for gait in model.gaits.names:
-            hunters = FirstGait(planner, gait)
-            ends = [run_hunt(settings, hunters, "walled", theta, hunt_seed(seed, 0, run)) for run in range(runs)]
-            times.setdefault(gait, []).extend(end.time for end in ends)
-    return {gait: float(np.mean(found)) for gait, found in times.items()}
-
-
-def side(seeds: list[int], runs: int) -> None:
-    """Print the time after every first gait on both sides."""
-    print("| bearing [rad] | first gait | as the prey turns [s] | to the other side [s] | mean [s] |")
-    print("| --- | --- | --- | --- | --- |")
-    for theta in (0.0, 6.0):
-        here, there = first_gaits(theta, seeds, runs), first_gaits((2 * math.pi - theta) % (2 * math.pi), seeds, runs)
-        for gait, time in here.items():
-            mirrored = " ".join(_OTHER.get(word, word) for word in gait.split())
-            other = there[mirrored]
-            print(f"| {theta:g} | {gait} | {time:.2f} | {other:.2f} | {0.5 * (time + other):.2f} |")
+from benchmarks.sides import bound, side
 
 
 def believed(model: ForwardModel, reach: float, samples: int) -> Chase:
@@ -151,14 +113,17 @@ def hunted(settings: ExperimentSettings, planner: Planner, seed: int, runs: int)
 def main() -> None:
     """Hunt and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("side", "noise"))
-    parser.add_argument("--runs", type=int, help="per bearing and seed; by default 4 (side) or 16 (noise)")
-    parser.add_argument("--seed", type=int, action="append", help="by default 1000 and 1001")
+    parser.add_argument("what", choices=("side", "bound", "noise"))
+    parser.add_argument("--runs", type=int, help="per bearing and seed; by default 4 (side), 1 (bound) or 16 (noise)")
+    parser.add_argument("--seed", type=int, action="append", help="by default 1000 and 1001; bound: 1000")
     parser.add_argument("--samples", type=int, default=48, help="sampled paths of each gait and of the prey (48)")
+    parser.add_argument("--gaits", type=int, default=4, help="bound: of the longest sequences that are run (4)")
     given = parser.parse_args()
-    seeds = given.seed or [1000, 1001]
+    seeds = given.seed or ([1000] if given.what == "bound" else [1000, 1001])
     if given.what == "side":
         side(seeds, given.runs or 4)
+    elif given.what == "bound":
+        bound(seeds, given.runs or 1, given.gaits)
     else:
         noise(seeds, given.runs or 16, given.samples)
 
