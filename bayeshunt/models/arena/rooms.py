@@ -27,7 +27,7 @@ from bayeshunt.models.arena.free_space import FreeSpace
 from bayeshunt.models.arena.obstacles import TouchedObstacles
 from bayeshunt.models.body.forward import ForwardModel
 
-__all__ = ["RoomModel"]
+__all__ = ["PARALLEL", "RoomModel"]
 
 _RECORD = RecordKind("bayeshunt room", "bayeshunt explore")
 _COLUMNS = ("step", "gait", "interval", "x", "y", "theta")
@@ -39,8 +39,8 @@ _LENGTH, _SUPPORT, _NEAR = 1.5, 10, 0.1
 #: And so many to a body length of it, where no touch can be told: in the open a hexapod's hull has 0.2 to 0.6, a wall
 #: of its room 40 (1,500 gaits, seed 1000).
 _DENSE = 2.0
-#: Edges of the hull whose directions differ by less [rad] are one wall.
-_PARALLEL = math.radians(10.0)
+#: Directions of walls that differ by less [rad] are one.
+PARALLEL = math.radians(10.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -208,7 +208,7 @@ def _merge(edges: np.ndarray, held: np.ndarray, body: float) -> list[tuple[float
     for index, (nx, ny, offset, _) in enumerate(edges.tolist()):
         if not free[index]:
             continue
-        same = free & (edges[:, 0] * nx + edges[:, 1] * ny > math.cos(_PARALLEL))
+        same = free & (edges[:, 0] * nx + edges[:, 1] * ny > math.cos(PARALLEL))
         free &= ~same
         length = float(edges[same, 3].sum())
         near = int((offset - held @ np.array([nx, ny]) < _NEAR * body).sum())

@@ -11,12 +11,11 @@ import numpy as np
 
 from bayeshunt.core.geometry import Pose
 from bayeshunt.models.arena.free_space import FreeSpace
+from bayeshunt.models.arena.rooms import PARALLEL
 from bayeshunt.planners.interception.bouncing import Walls
 
 __all__ = ["Side", "completed", "untouched_sides"]
 
-#: Walls are square to each other within so much [rad].
-_SQUARE = math.radians(10.0)
 #: A wall that was not touched is believed to be as far from the start as those that were, times each of these.
 #: Chosen in five rooms, 0.9 by 0.9 to 1.1 by 2.0 m, after 20 and 50 gaits (seeds 1212 to 1223, 14 hunts each): against
 #: 1.0 alone hunts take 0.2 s longer in the squares and 0.5 to 1.2 s less in the oblong ones.
@@ -44,7 +43,7 @@ def untouched_sides(walls: Walls, space: FreeSpace | None) -> tuple[Side, ...]:
     quarter = 0.5 * math.pi
     first, *angles = (math.atan2(ny, nx) for nx, ny in walls.normals)
     turns = [(angle - first) / quarter for angle in angles]
-    if any(abs(turn - round(turn)) * quarter > _SQUARE for turn in turns):
+    if any(abs(turn - round(turn)) * quarter > PARALLEL for turn in turns):
         return ()
     columns, rows = np.nonzero(space.visits)
     x, y = (columns + space.origin[0]) * space.cell, (rows + space.origin[1]) * space.cell

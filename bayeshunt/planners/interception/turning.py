@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from statistics import NormalDist
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +18,7 @@ from bayeshunt.models.target.turns import OwnMotion, TurnModel, in_legs
 from bayeshunt.planners.api import Plan, Situation
 from bayeshunt.planners.cost import Weighed
 from bayeshunt.planners.interception.bouncing import Walls
-from bayeshunt.planners.interception.futures import Futures, turning_futures
+from bayeshunt.planners.interception.futures import NEGLIGIBLE, Futures, turning_futures
 from bayeshunt.planners.interception.homing import CHASE_SHARE, Homing
 from bayeshunt.planners.interception.lookahead import PairPaths
 from bayeshunt.planners.interception.pairs import PairPlanner
@@ -27,8 +28,8 @@ from bayeshunt.planners.settings import Count, Number, Switch, planner_settings,
 
 __all__ = ["TurningPlanner", "TurningSettings"]
 
-#: A change of heading that a wandering of so many standard deviations explains is no turn.
-_WANDER = 2.0
+#: A change of heading is a turn if wandering, of which this is so many standard deviations, is too improbable.
+_WANDER = NormalDist().inv_cdf(1.0 - NEGLIGIBLE)
 
 
 @planner_settings("interception")
