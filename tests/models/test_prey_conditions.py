@@ -13,6 +13,7 @@ from bayeshunt.core.errors import DataError, InputError, ModelFileError
 from bayeshunt.core.statistics import spatial_median
 from bayeshunt.models.assessment.sampled_scores import sampled_scores
 from bayeshunt.models.target.residual_table import KEPT
+from bayeshunt.models.target.speed_table import OwnSteps
 
 BOTH = {"given": "speed", "residual_of": "constant_velocity"}
 
@@ -188,3 +189,47 @@ def test_classes_of_standing_by_how_long() -> None:
     width = 3 * table.axes.distance.width
     assert table.classes([0, 0, 0, 0, 0, 1.5 * width], [1, 2, 3, 5, 9, 0]).tolist() == [0, 40, 41, 42, 43, 1]
     assert table.stood(np.array([[0, 0, 0], [width, 0, 0], [0, np.nan, 0], [0, 0, 2 * width]])).tolist() == [3, 2, 1, 0]
+
+
+def test_the_few_steps_of_the_prey_itself_count_beside_the_table() -> None:
+    """A table of people who all walk straight on, and one who turns by 0.5 every step: six of his and ten of theirs."""
+    straight = pd.DataFrame({"id": 0, "time": 0.4 * np.arange(80), "x": 0.505 * np.arange(80), "y": 0.0})
+    model = bh.PreyModel.fit(bh.transitions(straight), given="speed")
+    turning = np.cumsum(0.505 * np.exp(0.5j * np.arange(8)))[None]
+    ahead = model.futures(turning, 1, 40_000, rng=np.random.default_rng(0))[0, :, 0] - turning[0, -1]
+    turned = np.angle(ahead * np.exp(-3.5j))
+    assert (np.abs(turned - 0.5) < 1e-9).mean() == pytest.approx(6 / 16, abs=0.01)
+    assert (np.abs(turned) < 0.03).mean() == pytest.approx(10 / 16, abs=0.01)
+    drawn = tuple(np.full(3, value) for value in (0.5, 0.1, 0.1))
+    which = np.zeros(3, dtype=np.int64)
+    for seen in (turning[:, -2:], turning[:, -1:] * np.ones((1, 8))):  # one step shows no transition, none no direction
+        own = OwnSteps(seen, model.conditions.speed, 0.05)
+        kept = own.instead(which, which, tuple(part.copy() for part in drawn), rng=np.random.default_rng(0))
+        np.testing.assert_array_equal(kept, drawn)
+
+
+def test_steps_that_were_made_up_are_not_its_own() -> None:
+    """Of a prey seen for one step a path is made up that goes straight: that tells nothing of how it goes."""
+    rows = bh.transitions(walkers(6, 60, 1), seen=4, steps=5)
+    conditions = bh.PreyModel.fit(rows, given="speed").conditions
+    path = np.array([[-1.5, -1.0, -0.5, 0.0]]) + 0j
+    straight = []
+    for made_up in (0, 2):
+        drawn = conditions.futures(path, 3, 2000, rng=np.random.default_rng(0), headings=None, made_up=made_up)
+        straight.append((np.abs(drawn[0, :, 0] - 0.5) < 1e-9).sum())
+    assert straight[0] > 50
+    assert straight[1] == 0
+
+
+def test_who_has_not_moved_faces_where_its_body_does() -> None:
+    tracks = walkers(4, 60, 5)
+    rows = bh.transitions(tracks, seen=4, steps=5)
+    model = bh.PreyModel.fit(rows, **BOTH)
+    rest = np.zeros((1, 4), dtype=complex)
+    along, up = (
+        model.futures(rest, 5, 16, rng=np.random.default_rng(0), headings=np.array([way])) for way in (0.0, np.pi / 2)
+    )
+    np.testing.assert_allclose(up, 1j * along, atol=1e-12)
+    unknown = model.futures(rest, 5, 16, rng=np.random.default_rng(0), headings=np.array([np.nan]))
+    np.testing.assert_array_equal(unknown, along)  # the tracks' own x, for want of anything
+    assert np.abs(along).max() > 0.1

@@ -17,7 +17,7 @@ from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 from bayeshunt.models.target.base_motion import BASES
 from bayeshunt.models.target.paths import forward_facing, paths_of
 from bayeshunt.models.target.residual_table import ResidualTable
-from bayeshunt.models.target.speed_table import SpeedTable, cell_codes
+from bayeshunt.models.target.speed_table import OwnSteps, SpeedTable, cell_codes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,10 +112,14 @@ class Conditions:
             self.residual.add(forward_facing(paths, self.residual.seen, self.scale)[0])
 
     def futures(
-        self, seen: FloatArray, steps: int, n: int, *, rng: np.random.Generator, headings: FloatArray | None
-    ) -> FloatArray:
-        """Return complex [N, n, steps] places that may follow ``seen`` [N, T]; see ``PreyModel.futures``."""
-        turned, direction = forward_facing(seen, seen.shape[1], self.scale)
+        self, seen: FloatArray, steps: int, n: int, *, rng: np.random.Generator, headings: FloatArray | None,
+        made_up: int = 0,
+    ) -> FloatArray:  # fmt: skip
+        """Return complex [N, n, steps] places that may follow ``seen`` [N, T]; see ``PreyModel.futures``.
+
+        made_up: how many of the first places were not seen, so that steps from there are not the prey's own.
+        """
+        turned, direction = forward_facing(seen, seen.shape[1], self.scale, headings)
         whole = 0
         residual = self.residual
         if residual is not None and residual.counts and steps <= residual.steps and seen.shape[1] >= residual.seen:
@@ -129,25 +133,28 @@ class Conditions:
             facing = direction
             if headings is not None and not self.by_motion:
                 facing = np.where(np.isfinite(headings), np.exp(1j * headings), direction)
-            ahead = self._stepwise(np.abs(np.diff(seen, axis=1)), n - whole, steps, rng)
+            ahead = self._stepwise(turned[:, made_up:], n - whole, steps, rng)
             out[:, from_speed] = ahead * facing[:, None, None]
         return out + seen[:, -1][:, None, None]
 
-    def _stepwise(self, before: FloatArray, n: int, steps: int, rng: np.random.Generator) -> FloatArray:
-        """Complex [N, n, steps] drawn step by step, given steps ``before`` [N, T] (m); the present faces forward."""
+    def _stepwise(self, seen: FloatArray, n: int, steps: int, rng: np.random.Generator) -> FloatArray:
+        """Complex [N, n, steps] drawn step by step after the places ``seen`` [N, T], the last at 0, facing forward."""
         table = self.speed
         if table is None:
             raise InputError("this model has no transitions by speed: fit it with given='speed' for as many steps")
-        speed, stood = np.repeat(before[:, -1], n), np.repeat(table.stood(before), n)
+        own = OwnSteps(seen, table, STANDING_SHARE * self.scale)
+        before, which = np.abs(np.diff(seen, axis=1)), np.repeat(np.arange(len(seen)), n)
+        speed, stood = before[which, -1], table.stood(before)[which]
         place, facing = np.zeros(len(speed), dtype=complex), np.ones(len(speed), dtype=complex)
         out = np.empty((len(place), steps), dtype=complex)
         for step in range(steps):
-            speed, angle, heading = table.draw(table.classes(speed, stood), rng=rng)
+            kinds = table.classes(speed, stood)
+            speed, angle, heading = own.instead(which, kinds, table.draw(kinds, rng=rng), rng=rng)
             stood = np.where(table.stood(speed[:, None]) > 0, stood + 1, 0)
             place = place + speed * np.exp(-1j * angle) * facing
             facing = facing * np.exp(-1j * heading)
             out[:, step] = place
-        return out.reshape(len(before), n, steps)
+        return out.reshape(len(seen), n, steps)
 
     def merge(self, other: Conditions) -> None:
         """Count what ``other`` has counted; InputError if it was counted otherwise."""

@@ -93,11 +93,12 @@ def foreseen_path(conditions: Conditions, transitions: Sequence[Polar], steps: i
     """
     residual = conditions.residual
     places = places_of(transitions)
-    if residual is not None and len(places) < residual.seen:
-        more = residual.seen - len(places)
+    more = 0 if residual is None else max(residual.seen - len(places), 0)
+    if more:
         places = np.concatenate([places[0] - (places[1] - places[0]) * np.arange(more, 0, -1), places])
     asked = max(1, steps if residual is None else min(steps, residual.steps))
-    draws = conditions.futures(places[None], asked, _DRAWS, rng=np.random.default_rng(_SEED), headings=None)
+    rng = np.random.default_rng(_SEED)
+    draws = conditions.futures(places[None], asked, _DRAWS, rng=rng, headings=None, made_up=more)
     path = np.concatenate([[0j], spatial_median(draws[0], axis=0, rounds=_ROUNDS)])
     if steps > asked:
         path = np.concatenate([path, path[-1] + (path[-1] - path[-2]) * np.arange(1, steps - asked + 1)])

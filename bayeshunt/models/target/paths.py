@@ -15,17 +15,20 @@ if TYPE_CHECKING:
 __all__ = ["forward_facing", "paths_of"]
 
 
-def forward_facing(paths: FloatArray, seen: int, scale: float) -> tuple[FloatArray, FloatArray]:
+def forward_facing(
+    paths: FloatArray, seen: int, scale: float, headings: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Return the paths [N, T + S] with the place ``seen - 1`` at 0 and facing forward, and the direction [N] that was.
 
-    The direction is that of the last step seen that is longer than a tenth of ``scale``; without any, the path is left
-    as it lies.
+    The direction is that of the last step seen that is longer than a tenth of ``scale``; without any, that of the body
+    (``headings`` [N], rad counter-clockwise, NaN where unknown); without that either, the path is left as it lies.
     """
     steps = np.diff(paths[:, :seen], axis=1)
     moved = np.abs(steps) > STANDING_SHARE * scale
     last = seen - 2 - np.argmax(moved[:, ::-1], axis=1)
     step = steps[np.arange(len(paths)), last]
-    turn = np.where(moved.any(axis=1), step / np.where(np.abs(step) > 0, np.abs(step), 1.0), 1.0)
+    body = 1.0 if headings is None else np.where(np.isfinite(headings), np.exp(1j * np.nan_to_num(headings)), 1.0)
+    turn = np.where(moved.any(axis=1), step / np.where(np.abs(step) > 0, np.abs(step), 1.0), body)
     return (paths - paths[:, seen - 1 : seen]) * np.conj(turn)[:, None], turn
 
 

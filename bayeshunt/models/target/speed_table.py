@@ -8,6 +8,9 @@ of a class is the Dirichlet mean ``(N[c] + w m) / (n_c + w)`` under the mean
 ``m = (s + w p) / (n_s + w)`` of the classes beside it (each less by a Gaussian of one class), itself backed off to
 the table p of all classes.
 All of these are mixtures of the classes' own shares, so that a mixing matrix [C, C] and the counts are enough.
+
+The prey that is foreseen has a manner of its own, which its few steps just seen show: they are counted beside the table,
+which weighs as ten of them (:class:`OwnSteps`).
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from bayeshunt.core.bins import EffectAxes
 from bayeshunt.core.geometry import FloatArray, wrap
 from bayeshunt.models.counting.cells import MAX_DISTANCE_BINS
 
-__all__ = ["BACKOFF", "CLASSES", "UNIT", "SpeedTable", "cell_codes"]
+__all__ = ["BACKOFF", "CLASSES", "OWN", "UNIT", "OwnSteps", "SpeedTable", "cell_codes"]
 
 #: Classes of speed; the last is open.
 CLASSES = 40
@@ -33,6 +36,13 @@ _KINDS = CLASSES + len(_STOOD)
 _PLACES = np.concatenate([np.arange(CLASSES), -0.5 * np.arange(1, len(_STOOD) + 1)])
 #: Weight [transitions] of the like speeds in a class.
 BACKOFF = 25.0
+#: Weight [transitions] of the table beside the prey's own steps; between 5 and 20 it hardly matters.
+OWN = 10.0
+#: How much an own step of a class tells of another. Of a rest that lasts, all steps before the last were rest too, which
+#: tells nothing of its end: those of the slowest count for rests as long.
+_NEAR = np.exp(-0.5 * (_PLACES[:, None] - _PLACES) ** 2)
+_NEAR[_PLACES <= 0] = _NEAR[:, _PLACES <= 0] = 0.0
+np.fill_diagonal(_NEAR, 1.0)
 #: Counts are whole numbers of 2**-16, so that weighted transitions add up exactly in any order.
 UNIT = 1 << 16
 
@@ -149,3 +159,51 @@ class SpeedTable:
             both = np.array(pairs, dtype=np.int64).reshape(-1, 2)
             self._drawn = self.mixing(), both[:, 0], both[:, 1], ends
         return self._drawn
+
+
+class OwnSteps:
+    """The transitions that paths themselves show, as counts beside a table: the prey's own speed, pauses and turns.
+
+    Letters: N paths, T places seen, M draws.
+    """
+
+    def __init__(self, paths: FloatArray, table: SpeedTable, least: float) -> None:
+        """paths: complex [N, T] places (forward + i left). least: metres, a step no longer than this has no direction.
+
+        A transition counts where its path had a direction before it, and in classes beside its own less, as a Gaussian
+        of one class.
+        """
+        steps = np.diff(paths, axis=1)
+        sizes = np.abs(steps)
+        count = max(steps.shape[1] - 1, 0)
+        kinds = np.zeros((len(paths), count), dtype=np.int64)
+        before = np.full(len(paths), np.nan + 0j)  # direction
+        turns = np.zeros((len(paths), count), dtype=complex)
+        for i in range(count):
+            step, size = steps[:, i], sizes[:, i]
+            before = np.where(size > least, step / np.where(size > least, size, 1.0), before)
+            kinds[:, i] = table.classes(size, table.stood(sizes[:, : i + 1]))
+            turns[:, i] = steps[:, i + 1] * np.conj(before)
+        known = np.isfinite(turns)
+        self._distance = sizes[:, 1:]
+        self._angle = np.where(known, -np.angle(np.where(known, turns, 1.0)), 0.0)
+        self._heading = np.where(self._distance > least, self._angle, 0.0)  # one that stands keeps its own
+        self._reach = np.cumsum(_NEAR[:, kinds].transpose(1, 0, 2) * known[:, None], axis=2)  # [N, C, T - 2]
+
+    def instead(
+        self, which: np.ndarray, kinds: np.ndarray, drawn: tuple[FloatArray, FloatArray, FloatArray],
+        *, rng: np.random.Generator,
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+        """Return draws of the table [M] with some of them exchanged for the path's own, after steps of ``kinds`` [M].
+
+        which: number of the path of each draw [M]. drawn: distance [m], angle and heading [rad].
+        """
+        if not self._distance.shape[1]:
+            return drawn
+        reach = self._reach[which, kinds]
+        at = rng.random(len(which)) * (reach[:, -1] + OWN)
+        mine = at < reach[:, -1]
+        own = which[mine], (at[mine, None] >= reach[mine]).sum(axis=1)
+        for values, table_values in zip((self._distance, self._angle, self._heading), drawn, strict=True):
+            table_values[mine] = values[own]
+        return drawn
