@@ -281,6 +281,33 @@ def test_a_prey_that_runs_on_and_on_is_in_no_room(model):
     assert table["probability"].iloc[-1] > 0.95
 
 
+def test_a_prey_that_has_come_beyond_a_wall_is_hardly_in_that_room(model):
+    """It goes straight from 3 bodies to 4.4, or to 5.8: by hand, that is 1.3 beyond a wall and costs 1.3 / 0.6."""
+    planner = intercept(model, sizes=2, nearest=4.5, farthest=20.0, room_chance=0.5)
+    ends = (4.4, 5.8)
+    found = [belief_after(planner, [Pose(3.0 * BODY, 0.0, 0.0), Pose(x * BODY, 0.0, 0.0)]) for x in ends]
+    odds = [float(np.log(table["probability"].iloc[0] / table["probability"].iloc[1])) for table in found]
+    runs = [model_odds(planner, x - 3.0) for x in ends]
+    assert np.subtract(odds, runs) == pytest.approx([0.0, -1.3 / 0.6])
+
+
+def model_odds(planner, run):
+    """The logarithm of how much less likely a straight leg of ``run`` bodies is in the small room than in the large."""
+    error, gap = planner.settings.hazard, np.array([1.5, 17.0])
+    chance = error + (1 - 2 * error) / (1 + np.exp((gap - run) / planner.settings.slack))
+    return float(np.log((1 - chance[0]) / (1 - chance[1])))
+
+
+def test_a_prey_that_turns_ever_again_on_its_way_out_is_in_no_room(model):
+    """It zigzags away: the wall at which it first turned is behind it, and tells nothing of where it turns next."""
+    poses, theta = [Pose(0.2, 0.0, 0.0)], 0.0
+    for turn in (0.0, 1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, -1.0):
+        at, theta = poses[-1], theta + turn
+        poses.append(Pose(at.x + 0.15 * math.cos(at.theta), at.y + 0.15 * math.sin(at.theta), theta))
+    table = belief_after(intercept(model), poses)
+    assert table["probability"].iloc[-1] > 0.95
+
+
 def test_the_guess_can_be_switched_off_and_moves_the_decision(model):
     case = hunt_situation(Pose(0.0, 0.0, 0.0), Pose(0.3, 0.05, 0.1), [Polar(0.16, 0, 0)])
     off = intercept_room(model, room_chance=0.0).plan(case, rng=np.random.default_rng(0)).value

@@ -81,8 +81,9 @@ class InterceptPlanner(TurningPlanner):
     room elsewhere or askew is seen as a prey that turns by chance.
 
     ``P(room | prey so far) ~ P(room) product over legs of P(turned or not | room)``, where
-    ``P(turn | room) = error + (1 - 2 error) / (1 + exp((gap to the wall - leg) / slack))``. The prey's futures are
-    those of every hypothesis, weighted; :meth:`rooms` opens the table. Without ``situation.pose``, or with
+    ``P(turn | room) = error + (1 - 2 error) / (1 + exp((gap to the wall - leg) / slack))``, and a prey that has come
+    beyond a wall is hardly in that room: ``P(comes beyond | room) = exp(-farthest beyond / slack)``. The prey's futures
+    are those of every hypothesis, weighted; :meth:`rooms` opens the table. Without ``situation.pose``, or with
     ``room_chance = 0``, there is no room.
     """
 
@@ -157,6 +158,8 @@ class InterceptPlanner(TurningPlanner):
         for pose, turn, hazard in zip(poses, turned.tolist(), hazards.tolist(), strict=True):
             chance = np.append(self._turn_chance(pose, known.speed), hazard)
             logs += np.log(np.maximum(chance if turn else 1.0 - chance, 1e-12))
+        farthest = max((max(abs(pose.x), abs(pose.y)) for pose in (*poses, now)[1:]), default=0.0)
+        logs[:-1] -= np.maximum((farthest - self.sizes) / self.slack, 0.0)
         return logs
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
