@@ -17,15 +17,15 @@ __all__ = ["PreyMotion"]
 #: Into how many bins of angle turns are counted.
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
-_REBOUND_SPREAD, _MEETING_SPREAD = 0.2, 0.15
+_REBOUND_SPREAD, _MEETING_SPREAD = 0.15, 0.15
 #: How far off its corner it is then, in seconds of its way: it turns in an arc, a particle on the spot.
-_CORNER_SPREAD = 0.2
+_CORNER_SPREAD = 0.15
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
 #: How many time-steps the first guess at the share of standing still is worth.
 _STILL_STEPS = 4.0
 #: Share by which a speed differs from the one expected, and by which it changes in a time-step.
-_SPEED_SPREAD, _SPEED_CHANGE = 0.12, 0.01
+_SPEED_SPREAD, _SPEED_CHANGE = 0.12, 0.005
 #: Bounces within one move of a particle: two, in a corner.
 _BOUNCES = 2
 
@@ -76,9 +76,13 @@ class PreyMotion:
 
     @property
     def drift(self) -> float:
-        """Radians by which the heading wanders per time-step without a turn (standard deviation)."""
+        """Radians by which the heading wanders per time-step without a turn (standard deviation).
+
+        Beforehand in proportion to the speed: what makes it wander is noise of the way, and a slower prey has less of it.
+        """
         prior = self.prior
-        total = self.drift_sum + prior.prior_steps * prior.prior_drift**2
+        before = prior.prior_drift * self.speed * self.time_step / prior.prior_speed
+        total = self.drift_sum + prior.prior_steps * before**2
         return float((total / (self.drift_steps + prior.prior_steps)) ** 0.5)
 
     @cached_property

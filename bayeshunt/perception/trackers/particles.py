@@ -31,8 +31,8 @@ _BORN, _BORN_WEIGHT = 0.25, 0.03
 _THIN = 0.02
 #: What is added to particles that are drawn again, so that no two are the same: metres, radians, share of the speed.
 _JITTER_PLACE, _JITTER_TURN, _JITTER_SPEED = 0.0003, 0.008, 0.003
-#: One in so many of them is put much farther off, so many times: where the prey does what no particle foresaw.
-_FAR_SHARE, _FAR = 0.05, 8.0
+#: This share of them is put much farther off, so many times: where the prey does what no particle foresaw.
+_FAR_SHARE, _FAR = 0.04, 8.0
 #: A frame shows the prey if that is more probable than not.
 _SEEN = 0.5
 #: A way below this [m] has no direction.
@@ -162,11 +162,13 @@ class ParticleTracker:
         cloud = cloud.pick(systematic(cloud.weight, self.count, rng))
         far = np.where(rng.random(self.count) < _FAR_SHARE, _FAR, 1.0)
         off = rng.normal(size=(4, self.count)) * far
+        turn = _JITTER_TURN * off[2]  # of its whole way in this step: what it is turned by here, it did not wander
         return replace(
             cloud,
             x=cloud.x + _JITTER_PLACE * off[0],
             y=cloud.y + _JITTER_PLACE * off[1],
-            theta=np.asarray(wrap(cloud.theta + _JITTER_TURN * off[2])),
+            theta=np.asarray(wrap(cloud.theta + turn)),
+            from_theta=np.asarray(wrap(cloud.from_theta + turn)),
             speed=np.maximum(cloud.speed * (1.0 + _JITTER_SPEED * off[3]), 0.0),
         )
 

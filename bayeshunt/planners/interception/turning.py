@@ -117,8 +117,9 @@ class TurningPlanner(PairPlanner):
             threshold=max(chosen.turn_threshold, _WANDER * own.drift),
             prior_drift=own.drift,
         )
-        #: The same belief per time-step, as trackers count; a turn is as far, however short the steps.
-        self.step_prior = self.prior if steps == 1 else _per_step(self.prior, steps)
+        #: The same belief per time-step, as trackers count; a turn is as far, however short the steps. What the hunter
+        #: wanders by is that of its own speed, and a slower prey wanders less.
+        self.step_prior = _per_step(replace(self.prior, prior_drift=chosen.prior_speed * own.drift), steps)
         #: Sets of samples of both robots' motion, of which each decision picks one; none: decided along mean paths.
         self.samples = self.sample(model)
 
@@ -183,6 +184,8 @@ class TurningPlanner(PairPlanner):
 
 def _per_step(leg: TurnModel, steps: int) -> TurnModel:
     """Return what is believed of a leg of so many time-steps, of one of them: the same prey in the same time."""
+    if steps == 1:
+        return leg
     return replace(
         leg,
         prior_speed=leg.prior_speed / steps,
