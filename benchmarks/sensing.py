@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -202,7 +202,7 @@ def decision_ratio(name: str, runs: int, seed: int) -> dict[str, float]:
     return {**found, "ratio": found["search"] / found["intercept"]}
 
 
-#: Name -> what is measured beside the hunts, on the first seed.
+#: Name -> what is measured beside the hunts: calibration on every seed, the others on the first.
 MEASURES: dict[str, Callable[[str, int, int], dict[str, float]]] = {
     "calibration": calibration, "counts": expected_counts, "cost": decision_ratio
 }  # fmt: skip
@@ -226,10 +226,23 @@ def main() -> None:
             print(_line(name, planner, tracker, pooled(parts)), flush=True)
     for name in (name for name in options.rows if ROWS[name].camera and ROWS[name].preset == "paper"):
         for measured in (measure for measure in MEASURES if measure in options.only):
-            runs, seed = min(options.runs, _MOST_RUNS), options.seeds[0]
-            key = Key(name, "search", "", seed, runs)
-            facts = results.get(key, measured, partial(MEASURES[measured], name, runs, seed))
+            runs, seeds = min(options.runs, _MOST_RUNS), options.seeds if measured == "calibration" else options.seeds[:1]
+            parts = [
+                results.get(Key(name, "search", "", seed, runs), measured, partial(MEASURES[measured], name, runs, seed))
+                for seed in seeds
+            ]  # fmt: skip
+            facts = together(parts) if measured == "calibration" else parts[0]
             print(f"{name}, {measured}: " + ", ".join(f"{k} {v:.3g}" for k, v in facts.items()), flush=True)
+
+
+def together(parts: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return the shares that :func:`calibration` found on several seeds, of all decisions together."""
+    found: dict[str, float] = {}
+    for count, shares in (("decisions", ("in_50", "in_90")), ("seen", ("seen_50", "seen_90"))):
+        whole = sum(part[count] for part in parts)
+        found |= {share: sum(part[share] * part[count] for part in parts) / whole for share in shares}
+        found[count] = whole
+    return found
 
 
 def _parser() -> argparse.ArgumentParser:
