@@ -226,11 +226,11 @@ def main() -> None:
             print(_line(name, planner, tracker, pooled(parts)), flush=True)
     for name in (name for name in options.rows if ROWS[name].camera and ROWS[name].preset == "paper"):
         for measured in (measure for measure in MEASURES if measure in options.only):
-            runs, seeds = min(options.runs, _MOST_RUNS), options.seeds if measured == "calibration" else options.seeds[:1]
+            runs, measure = min(options.runs, _MOST_RUNS), MEASURES[measured]
             parts = [
-                results.get(Key(name, "search", "", seed, runs), measured, partial(MEASURES[measured], name, runs, seed))
-                for seed in seeds
-            ]  # fmt: skip
+                results.get(Key(name, "search", "", seed, runs), measured, partial(measure, name, runs, seed))
+                for seed in (options.seeds if measured == "calibration" else options.seeds[:1])
+            ]
             facts = together(parts) if measured == "calibration" else parts[0]
             print(f"{name}, {measured}: " + ", ".join(f"{k} {v:.3g}" for k, v in facts.items()), flush=True)
 

@@ -1,6 +1,7 @@
 """The belief of particles: what it makes of what is seen, and of what is not."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from bayeshunt.core.geometry import Polar, Pose
 from bayeshunt.core.messages import Frame, Observation
 from bayeshunt.models.target.turns import TurnModel
 from bayeshunt.perception.setting import PerceptionContext
+from bayeshunt.perception.trackers.motion import PreyMotion
 from bayeshunt.perception.trackers.particles import ParticleTracker
 from bayeshunt.planners.interception.bouncing import Walls
 
@@ -128,6 +130,14 @@ def test_a_prey_that_stands_is_learned_to_stand_and_stays_where_it_is_when_hidde
         time = 10.0 + 2 * step
         belief = mind.update(belief, GAIT, Observation(time, away, (Frame(time, away),)), rng=rng)
     assert math.hypot(belief.mean.x - 0.3, belief.mean.y) < 0.05
+
+
+def test_a_prey_that_turns_out_slower_is_believed_to_wander_less():
+    motion = PreyMotion(TurnModel(prior_speed=0.2, prior_drift=0.1), time_step=1.0)
+    slower = replace(motion, steps=3.0, speed_sum=3 * 0.1)
+    assert motion.drift == pytest.approx(0.1)
+    assert slower.speed == pytest.approx(0.125)
+    assert slower.drift == pytest.approx(0.1 * 0.125 / 0.2)
 
 
 def test_particles_stay_within_known_walls():

@@ -18,7 +18,8 @@ __all__ = ["PreyMotion"]
 _TURN_BINS = 36
 #: How far a prey leaves a wall off its usual angle, and how far its heading is off when it meets one [rad].
 _REBOUND_SPREAD, _MEETING_SPREAD = 0.15, 0.15
-#: How far off its corner it is then, in seconds of its way: it turns in an arc, a particle on the spot.
+#: How far off its corner it is then, in seconds of its way: it turns in an arc, a particle on the spot. Chosen, as the
+#: first above and the change of speed below, for regions that hold the prey as often as they say (seed 1100).
 _CORNER_SPREAD = 0.15
 #: A prey that stands may begin to move, and one that moves may stop, once in so many time-steps.
 _MODE_STEPS = 50.0
@@ -78,7 +79,7 @@ class PreyMotion:
     def drift(self) -> float:
         """Radians by which the heading wanders per time-step without a turn (standard deviation).
 
-        Beforehand in proportion to the speed: what makes it wander is noise of the way, and a slower prey has less of it.
+        Beforehand in proportion to its speed: what makes it wander is noise of its way, and a slower prey has less.
         """
         prior = self.prior
         before = prior.prior_drift * self.speed * self.time_step / prior.prior_speed
