@@ -9,7 +9,7 @@ of a class is the Dirichlet mean ``(N[c] + w m) / (n_c + w)`` under the mean
 the table p of all classes.
 All of these are mixtures of the classes' own shares, so that a mixing matrix [C, C] and the counts are enough.
 
-The prey that is foreseen has a manner of its own, which its few steps just seen show: they are counted beside the table,
+The prey that is foreseen has a manner of its own, which its few steps just seen show: they count beside the table,
 which weighs as ten of them (:class:`OwnSteps`).
 """
 
@@ -38,7 +38,7 @@ _PLACES = np.concatenate([np.arange(CLASSES), -0.5 * np.arange(1, len(_STOOD) + 
 BACKOFF = 25.0
 #: Weight [transitions] of the table beside the prey's own steps; between 5 and 20 it hardly matters.
 OWN = 10.0
-#: How much an own step of a class tells of another. Of a rest that lasts, all steps before the last were rest too, which
+#: How much an own step of a class tells of another. Of a rest that lasts, all steps before the last were rests, which
 #: tells nothing of its end: those of the slowest count for rests as long.
 _NEAR = np.exp(-0.5 * (_PLACES[:, None] - _PLACES) ** 2)
 _NEAR[_PLACES <= 0] = _NEAR[:, _PLACES <= 0] = 0.0
