@@ -21,7 +21,10 @@ def legs(khepera_model):
 
 def test_what_is_known_of_the_prey_is_per_time_step(legs):
     one, two = (known_to(planner).motion for planner in legs)
-    assert one is legs[0].prior
+    leg = legs[0].prior
+    assert (one.prior_speed, one.prior_hazard, one.prior_steps) == (leg.prior_speed, leg.prior_hazard, leg.prior_steps)
+    assert np.array_equal(one.prior_turns, leg.prior_turns)
+    assert one.prior_drift == pytest.approx(0.9 * leg.prior_drift)  # at its speed, as believed: 0.9 of the hunter's
     assert two.prior_speed == pytest.approx(one.prior_speed, rel=0.02)  # the same top speed
     assert two.prior_drift == pytest.approx(one.prior_drift, rel=0.02)
     assert (1.0 - two.prior_hazard) ** 2 == pytest.approx(1.0 - one.prior_hazard)  # both of a leg
