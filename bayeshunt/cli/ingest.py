@@ -23,8 +23,10 @@ __all__ = [
     "BodyLength",
     "Cite",
     "Command",
+    "Commands",
     "Gaits",
     "Licence",
+    "Offset",
     "Pose",
     "Time",
     "TimeStep",
@@ -49,6 +51,10 @@ Gaits = Annotated[
 ]
 Pose = Annotated[str | None, typer.Option(help="A log: columns of the pose, X,Y,YAW.")]
 Command = Annotated[str | None, typer.Option(help="A log: columns of the command, for example LEFT,RIGHT.")]
+Commands = Annotated[
+    Path | None, typer.Option(help="A log of poses: the file of the commands, with a clock of its own.")
+]
+Offset = Annotated[float, typer.Option(help="Seconds to add to the clock of --commands.")]
 Time = Annotated[str | None, typer.Option(help="A log: column of the time.")]
 TimeUnit = Annotated[str | None, typer.Option(help="A log: unit of the time, s, ms, us or ns.")]
 Unit = Annotated[str | None, typer.Option(help="A log: unit of x and y, m, cm or mm.")]
@@ -66,6 +72,7 @@ _FEW = 20
 def log_options(
     time_step: TimeStep = None, gaits: Gaits = "25", pose: Pose = None, command: Command = None, time: Time = None,
     time_unit: TimeUnit = None, unit: Unit = None, angle: Angle = None, body_length: BodyLength = None,
+    commands: Commands = None, offset: Offset = 0.0,
 ) -> Any:  # fmt: skip
     """Return the options as ``data.ingesting.LogOptions``; InputError for a pose of other than three columns."""
     from bayeshunt.data.ingesting import LogOptions
@@ -76,7 +83,8 @@ def log_options(
     number: int | str = int(gaits) if gaits.lstrip("+-").isdigit() else gaits
     if isinstance(number, int) and number < 1:
         raise InputError(f"--gaits {gaits}: expected a number of at least 1, auto, held, or a column")
-    return LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length)
+    options = LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length)
+    return replace(options, commands=commands, offset=offset)
 
 
 def reads_logs(command: Callable[..., None]) -> Callable[..., None]:
@@ -241,7 +249,7 @@ def _length_unit(table: Any) -> str:
 
 def _said(facts: dict[str, Any], records: list[dict[str, Any]]) -> str:
     unit, out = facts["unit"], shlex.quote(facts["out"])
-    step = length(facts["median_step"]) if unit == "m" else f"{facts['median_step']:.3g} {unit}"
+    step = _size(facts["median_step"], unit)
     said: dict[str, list[str]] = {}
     for r in records:
         said.setdefault(f"read as {r['reader']}; " + "; ".join(r["notes"]) + _claimed(r), []).append(r["file"])
@@ -256,9 +264,15 @@ def _said(facts: dict[str, Any], records: list[dict[str, Any]]) -> str:
         f"{step}; the tracks look {smooth} (roughness {facts['roughness']:.2f})",
         f"time-step: {facts['suggested_time_step']:g} s or more, so that a step is five times the jitter; with twelve "
         "steps, a twelfth of the time to be foreseen",
+        f"bins: {_size(facts['suggested_bin'], unit)} of distance at that step, {facts['suggested_turns']} of a turn: "
+        "about a tenth of a step, and not finer than the jitter; prey fit chooses its own, finer ones",
         f"next: bayeshunt prey fit {out} --time-step {facts['suggested_time_step']:g} --out prey.json",
     ]
     return "\n".join(lines)
+
+
+def _size(value: float, unit: str) -> str:
+    return length(value) if unit == "m" else f"{value:.3g} {unit}"
 
 
 def _together(files: list[str]) -> str:

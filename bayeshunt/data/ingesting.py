@@ -31,6 +31,7 @@ class LogOptions:
 
     time_step: seconds of a window. gaits: clusters, "auto", "held", or a column. pose: columns of x, y, yaw.
     command: columns. time: column. time_unit, unit, angle: what they are in. body_length: metres. seed: of clusters.
+    commands: a file that holds the commands, with a clock of its own; offset: seconds to add to that clock.
     """
 
     time_step: float | None = None
@@ -43,6 +44,8 @@ class LogOptions:
     angle: str | None = None
     body_length: float | None = None
     seed: int = 0
+    commands: Path | None = None
+    offset: float = 0.0
 
 
 class Held:
@@ -74,6 +77,10 @@ def babbling_from(paths: Sequence[str | os.PathLike[str]], options: LogOptions) 
 
     Raises DataError that names file and column, InputError for what has to be said (``--time-step``, units).
     """
+    if options.commands is not None and len(paths) > 1:
+        raise InputError(
+            f"--commands {options.commands}: goes with one log; give {len(paths)} logs one after the other"
+        )
     try:
         tables = [read_table(path) for path in paths]
     except DataError as error:
@@ -104,6 +111,8 @@ def babbling_from(paths: Sequence[str | os.PathLike[str]], options: LogOptions) 
 
 
 def _has_clock(table: pd.DataFrame, path: Any, options: LogOptions) -> bool:
+    if options.commands is not None:
+        return True
     found = find_columns(list(table.columns), options.time, options.pose, options.command, os.fspath(path))
     return found["time"] is not None
 
@@ -112,7 +121,8 @@ def _of_logs(paths: Sequence[str | os.PathLike[str]], options: LogOptions) -> pd
     logs, first = [], 0
     for path in paths:
         log = read_log(
-            path, time=options.time, pose=options.pose, command=options.command, time_unit=options.time_unit,
+            path, options.commands, offset=options.offset,
+            time=options.time, pose=options.pose, command=options.command, time_unit=options.time_unit,
             unit=options.unit, angle=options.angle,
         )  # fmt: skip
         log["run"] += first

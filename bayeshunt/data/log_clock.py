@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 
@@ -9,28 +11,42 @@ from bayeshunt.core.errors import InputError
 from bayeshunt.core.units import unit_hint
 from bayeshunt.data.text_tables import as_numbers
 
-__all__ = ["TIME_UNITS", "seconds_of", "unbroken"]
+__all__ = ["TIME_UNITS", "Clock", "seconds_of", "unbroken"]
 
 #: Seconds of one unit of time.
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
+#: Numbers between these seconds since 1970 (2001 and 2100) tell their unit by their size.
+_EPOCH = (1e9, 4.1e9)
 #: So many usual time-steps without a row break a run.
 _BREAK = 5.0
 #: So many rows in a row that go back are a clock that was set, fewer are strays.
 _STRAYS = 5
 
 
-def seconds_of(values: pd.Series, unit: str | None, source: str, *, slowest: float = 2.0) -> tuple[np.ndarray, str]:
-    """Return the time [s] of each row (NaN where there is none) and a note of how it was read.
+class Clock(NamedTuple):
+    """The time of each row: ``seconds`` [N] after ``start`` (NaN where there is none), and a note of how it was read.
 
-    unit: "s", "ms", "us" or "ns"; None: the column's name or its steps must show it; slowest: longest usual step [s].
-    Times of day and dates are read.
+    start: seconds of the clock's own zero, an epoch or midnight, so that two files can be put together; 0 where the
+    numbers are small, and are taken as they stand.
+    """
+
+    seconds: np.ndarray
+    note: str
+    start: float = 0.0
+
+
+def seconds_of(values: pd.Series, unit: str | None, source: str, *, slowest: float = 2.0) -> Clock:
+    """Return the time of each row of a column.
+
+    unit: "s", "ms", "us" or "ns"; None: the column's name, its size or its steps must show it; slowest: longest usual
+    step [s]. Times of day and dates are read.
     Raises InputError for another unit, or if nothing shows it.
     """
     if unit is not None and unit not in TIME_UNITS:
         raise InputError(f"{source}: unknown unit of time {unit!r}{unit_hint(unit, TIME_UNITS)}")
     if pd.api.types.is_datetime64_any_dtype(values.dtype):
-        return _from_start(values), "time: dates, seconds since the first"
+        return _from_first(_since_epoch(values), "time: dates, seconds since the first")
     numbers = as_numbers(values)
     if not np.isfinite(numbers).any() and values.notna().any():
         clock = _clock(values)
@@ -38,14 +54,14 @@ def seconds_of(values: pd.Series, unit: str | None, source: str, *, slowest: flo
             raise InputError(
                 f"{source}: column {values.name!r} holds no times; expected numbers, times of day or dates"
             )
-        return clock, "time: read from text, seconds since the first"
+        return _from_first(clock, "time: read from text, seconds since the first")
     if unit is None:
         unit, why = _guessed(str(values.name), numbers, source, slowest)
     else:
         why = "as given"
     first = numbers[np.isfinite(numbers)][:1]
-    shifted = numbers - first if first.size and abs(first[0]) > 1e8 else numbers  # epochs: keep the digits
-    return shifted * TIME_UNITS[unit], f"time in {unit} ({why})"
+    start = float(first[0]) if first.size and abs(first[0]) > 1e8 else 0.0  # epochs: keep the digits
+    return Clock((numbers - start) * TIME_UNITS[unit], f"time in {unit} ({why})", start * TIME_UNITS[unit])
 
 
 def _guessed(name: str, numbers: np.ndarray, source: str, slowest: float) -> tuple[str, str]:
@@ -55,31 +71,38 @@ def _guessed(name: str, numbers: np.ndarray, source: str, slowest: float) -> tup
             return unit, "as its name says"
     if any(word in lower for word in ("milli", "msec")):
         return "ms", "as its name says"
-    gaps = np.diff(numbers[np.isfinite(numbers)])
+    finite = numbers[np.isfinite(numbers)]
+    for unit in ("ns", "us", "ms"):
+        if finite.size and all(_EPOCH[0] < end * TIME_UNITS[unit] < _EPOCH[1] for end in (finite.min(), finite.max())):
+            return unit, "an epoch, as its size says"
+    gaps = np.diff(finite)
     gaps = gaps[gaps > 0]
     usual = float(np.median(gaps)) if gaps.size else 0.0
     if usual > slowest and not lower.endswith(("_s", " s", "[s", "(s", "sec", "seconds")):
         raise InputError(
-            f"{source}: column {name!r} steps by {usual:g}; say its unit: time_unit= (--time-unit s|ms|us)"
+            f"{source}: column {name!r} steps by {usual:g}; say its unit: time_unit= (--time-unit s|ms|us|ns)"
         )
     return "s", "the default"
 
 
 def _clock(values: pd.Series) -> np.ndarray:
-    """Seconds since the first of dates or times of day written as text; NaN where neither can be read."""
+    """Seconds of dates (since 1970) or times of day (since midnight) written as text; NaN where neither can be read."""
     text = values.astype("string").str.strip()
     spans = pd.to_timedelta(text.where(text.str.count(":") == 2), errors="coerce")
     if spans.notna().mean() > 0.5:
-        total = spans.dt.total_seconds().to_numpy(dtype=float, na_value=np.nan)
-        return np.asarray(total - total[np.isfinite(total)][0])
-    return _from_start(pd.to_datetime(text, errors="coerce", utc=True, format="ISO8601"))
+        return np.asarray(spans.dt.total_seconds().to_numpy(dtype=float, na_value=np.nan))
+    return _since_epoch(pd.to_datetime(text, errors="coerce", utc=True, format="ISO8601"))
 
 
-def _from_start(stamps: pd.Series) -> np.ndarray:
-    if not stamps.notna().any():
-        return np.full(len(stamps), np.nan)
-    since = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
+def _since_epoch(stamps: pd.Series) -> np.ndarray:
+    since = (stamps - pd.Timestamp(0, tz=stamps.dt.tz)).dt.total_seconds()
     return np.asarray(since.to_numpy(dtype=float, na_value=np.nan))
+
+
+def _from_first(seconds: np.ndarray, note: str) -> Clock:
+    known = seconds[np.isfinite(seconds)]
+    start = float(known[0]) if known.size else 0.0
+    return Clock(seconds - start, note, start)
 
 
 def unbroken(time: np.ndarray) -> tuple[np.ndarray, dict[str, int]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -32,6 +33,9 @@ _PAIRS = (
     ("cmdlinear", "cmdangular"), ("linear", "angular"), ("throttle", "steering"), ("v", "w"), ("v", "omega"),
     ("u0", "u1"), ("u1", "u2"), ("cmd0", "cmd1"), ("command0", "command1"), ("motorleft", "motorright"),
 )  # fmt: skip
+#: Names of what was told, and of what odometry measured: a gait must come from a command.
+_TOLD = re.compile(r"cmd|command", re.IGNORECASE)
+_MEASURED = re.compile(r"twist\.twist|odom|measured|actual|encoder", re.IGNORECASE)
 #: So much from row to row [rad] is likelier degrees.
 _LEAP = 0.3
 #: So much from one row to the next [rad], three turns, no body turns.
@@ -59,7 +63,7 @@ def find_columns(
             raise DataError(f"{source}: column {name!r} is missing; the table has {', '.join(names)}"
                             f"{did_you_mean(name, names, listed=False)}")  # fmt: skip
     plain: dict[str, str] = {}
-    for name in names:
+    for name in sorted(names, key=lambda name: not _TOLD.search(name)):  # of two that fit, the one that says "command"
         for key in _keys(name):
             plain.setdefault(key, name)
     found: dict[str, Any] = {"time": time or next((plain[key] for key in _TIME if key in plain), None)}
@@ -75,20 +79,23 @@ def _check_found(found: dict[str, Any], names: list[str], source: str, *, with_c
     axes = [repr(axis) for axis, name in zip(("x", "y", "yaw"), found["pose"], strict=False) if name is None]
     lacking = {f"column {', '.join(axes)} of the pose": "pose=(x, y, yaw) (--pose X,Y,YAW)"} if axes else {}
     if with_command and not found["command"]:
-        lacking["columns of the command"] = "command=(left, right) (--command L,R)"
+        other = "" if axes else ", or give their file: --commands FILE"
+        lacking["columns of the command"] = f"command=(left, right) (--command L,R){other}"
     if lacking:
-        raise DataError(f"{source}: no {' nor '.join(lacking)} found among {', '.join(names)}; "
+        own = [name for name in names if not name.startswith("yaw (of ")]
+        raise DataError(f"{source}: no {' nor '.join(lacking)} found among {', '.join(own)}; "
                         f"name them: {' and '.join(lacking.values())}")  # fmt: skip
 
 
 def _keys(name: str) -> list[str]:
-    """What a name may be known by: itself, and itself without a unit at its end."""
+    """What a name may be known by: itself, itself without a unit at its end, and the last two of its parts."""
     whole = same_name(name)
     parts = name.lower().replace("[", "_").replace("(", "_").replace(" ", "_").rstrip("])").split("_")
     parts = [part for part in parts if part]
     while len(parts) > 1 and (parts[-1] in _ENDINGS or parts[-1] in ("s", "us", "ns", "sec")):
         parts = parts[:-1]
-    return list(dict.fromkeys([whole, same_name("".join(parts))]))
+    branches = [part for part in re.split(r"[./]", name) if part]  # field.pose.pose.position.x is a position.x
+    return list(dict.fromkeys([whole, same_name("".join(parts)), same_name("".join(branches[-2:]))]))
 
 
 def _pose(plain: dict[str, str]) -> tuple[str | None, ...]:
@@ -96,10 +103,14 @@ def _pose(plain: dict[str, str]) -> tuple[str | None, ...]:
 
 
 def _command(plain: dict[str, str], names: list[str], used: set[Any]) -> tuple[str, ...]:
+    used = used | {name for name in names if _MEASURED.search(name)}
     for pair in _PAIRS:
         if all(key in plain and plain[key] not in used for key in pair):
             return tuple(plain[key] for key in pair)
-    return tuple(n for n in names if same_name(n).startswith(("command", "cmd", "action")) and n not in used)
+    marks = ("command", "cmd", "action")
+    return tuple(n for n in names if same_name(n).startswith(marks) and n not in used) or tuple(
+        n for n in names if same_name(n).endswith(marks) and n not in used
+    )
 
 
 def lengths(names: Sequence[str], unit: str | None, source: str) -> tuple[float, str]:

@@ -19,6 +19,7 @@ from bayeshunt.core.checks import check_number
 from bayeshunt.core.errors import DataError, InputError
 from bayeshunt.data.log_clock import seconds_of, unbroken
 from bayeshunt.data.log_columns import find_columns, lengths, radians_of
+from bayeshunt.data.readers.quaternions import with_yaw
 from bayeshunt.data.text_tables import as_numbers, read_text_table
 from bayeshunt.files import parquet
 from bayeshunt.files.records import digest_of_file
@@ -60,12 +61,12 @@ def read_log(
     found = find_columns(list(table.columns), time, pose, command, source, with_command=commands is None)
     if found["time"] is None:
         raise DataError(f"{source}: no column of time found among {', '.join(table.columns)}; name it: time= (--time)")
-    seconds, note = seconds_of(table[found["time"]], time_unit, source)
-    log, notes = _log(table, found, seconds, unit, angle, source)
+    clock = seconds_of(table[found["time"]], time_unit, source)
+    log, notes = _log(table, found, clock.seconds, unit, angle, source)
     dropped = {"no time": int((~np.isfinite(log["time"])).sum())}
     log = log[np.isfinite(log["time"].to_numpy())].reset_index(drop=True)
     if commands is not None:
-        log, said = _with_commands(log, commands, command, time_unit, offset)
+        log, said = _with_commands(log, commands, command, time_unit, offset - clock.start)
         notes.append(said)
     kept, lost = _clean(log)
     if kept.empty:
@@ -73,14 +74,14 @@ def read_log(
     kept.attrs[parquet.PROVENANCE_KEY] = {
         "source": {"file": Path(source).name, "sha256": digest_of_file(source),
                    "columns": {k: v for k, v in found.items() if v}},
-        "notes": [note, *notes, *_broken(kept), *_turning(kept)],
+        "notes": [clock.note, *notes, *_broken(kept), *_turning(kept)],
         "dropped": {k: v for k, v in {**dropped, **lost}.items() if v},
     }  # fmt: skip
     return kept
 
 
 def read_table(path: str | os.PathLike[str], reader: str | None = None) -> pd.DataFrame:
-    """Return the table in a file as it stands, columns by name; DataError in one line if there is none."""
+    """Return the table in a file, columns by name, and the yaw of a quaternion; DataError in one line if it is none."""
     ending = Path(path).suffix.lower()
     kind = reader or ("ros" if ending in (".bag", ".mcap", ".db3") or Path(path).is_dir() else "")
     if kind == "ros":
@@ -92,8 +93,8 @@ def read_table(path: str | os.PathLike[str], reader: str | None = None) -> pd.Da
     if kind == "parquet" or ending in (".parquet", ".pq"):
         table: pd.DataFrame = parquet.read(path, what="a log", fix=f"give {_EXPECTED}")[0].to_pandas()
         table.columns = pd.Index([str(name) for name in table.columns])
-        return table
-    return read_text_table(path, _EXPECTED)
+        return with_yaw(table)
+    return with_yaw(read_text_table(path, _EXPECTED))
 
 
 def command_columns(columns: Iterable[Any]) -> list[str]:
@@ -126,20 +127,21 @@ def _log(
 def _with_commands(
     log: pd.DataFrame, path: str | os.PathLike[str], command: Sequence[str] | None, time_unit: str | None, offset: float
 ) -> tuple[pd.DataFrame, str]:
-    """The log with the last command before each pose, from a file with a clock of its own."""
+    """The log with the last command before each pose, from a file with a clock of its own; ``offset`` [s] added."""
     source = os.fspath(path)
     table = read_table(path)
     found = find_columns(list(table.columns), None, None, command, source, with_pose=False)
     if found["time"] is None:
         raise DataError(f"{source}: no column of time found among {', '.join(table.columns)}")
-    seconds, _ = seconds_of(table[found["time"]], time_unit, source, slowest=30.0)  # they come when they change
+    told = seconds_of(table[found["time"]], time_unit, source, slowest=30.0)  # they come when they change
     values = np.stack([as_numbers(table[name]) for name in found["command"]], axis=1)
-    good = np.isfinite(seconds) & np.isfinite(values).all(axis=1)
-    order = np.argsort(seconds[good], kind="stable")
-    clock, values = seconds[good][order] + float(offset), values[good][order]
+    good = np.isfinite(told.seconds) & np.isfinite(values).all(axis=1)
+    order = np.argsort(told.seconds[good], kind="stable")
+    clock, values = told.seconds[good][order] + (told.start + float(offset)), values[good][order]
     if not len(clock) or clock[0] > log["time"].max() or clock[-1] < log["time"].min():
-        raise DataError(f"{source}: its clock does not meet the poses' "
-                        f"({log['time'].min():g} to {log['time'].max():g} s); give offset= in seconds")  # fmt: skip
+        raise DataError(f"{source}: its clock ({clock.min(initial=np.inf):g} to {clock.max(initial=-np.inf):g} s) does "
+                        f"not meet the poses' ({log['time'].min():g} to {log['time'].max():g} s); "
+                        "give offset= in seconds (--offset)")  # fmt: skip
     # a microsecond is no order: offsets round
     last = np.searchsorted(clock, log["time"].to_numpy() + 1e-6, side="right") - 1
     for i in range(values.shape[1]):

@@ -33,6 +33,8 @@ COLUMNS = ("id", "time", "x", "y", "heading", "confidence", "scene")
 #: Metres of one unit; None: known only with a scale.
 UNITS: dict[str, float | None] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "px": None, "body": None}
 
+#: A place of less confidence may be anywhere.
+_DOUBTED = 0.5
 _EXPECTED = "a table of tracks"
 _FIX = "give a file made by: bayeshunt ingest tracks"
 
@@ -133,6 +135,9 @@ def _table(
     """The table of tracks of what a reader found."""
     own = found.ingested or {}
     unit = _known_unit(unit, own.get("unit"), source)
+    if unit is None and rate is None and not _tells_time(found.frame):
+        raise InputError(f"{source}: neither rate (rows per second) nor unit is given{_claimed(found.claims)}; say "
+                         f"rate= (--rate) and unit= (--unit {'|'.join(UNITS)})")  # fmt: skip
     metres, kept = _unit(unit, scale, found.claims, source)
     down = found.y == "down" or (unit == "px" and not own)
     facing = y if y is not None else ("down" if down else "up")
@@ -142,7 +147,7 @@ def _table(
     if frame.empty:
         raise DataError(f"{source}: no row has a place")
     sign = -1.0 if facing == "down" else 1.0
-    turn = math.radians(1.0) if degrees else 1.0
+    turn = math.radians(1.0) if degrees or found.claims.get("angle") == "deg" else 1.0
     heading = frame["heading"].to_numpy() * turn if "heading" in frame else np.full(len(frame), np.nan)
     _check_heading(heading, source)
     time, notes = _times(frame, rate, found.claims, source)
@@ -164,10 +169,19 @@ def _table(
     table.attrs[parquet.PROVENANCE_KEY] = {
         "file": Path(source).name, "reader": reader, "rate": rate, "unit": unit, "scale": scale, "y": facing,
         "claims": {k: v for k, v in found.claims.items() if k != "keypoints"},
-        "notes": [*found.notes, *notes, f"y of the file points {facing}"],
+        "notes": [*found.notes, *notes, f"y of the file points {facing}", *_unsure(table, least_confidence)],
         "dropped": {k: v for k, v in dropped.items() if v}, **{k: v for k, v in own.items() if k != "unit"},
     }  # fmt: skip
     return table
+
+
+def _unsure(table: pd.DataFrame, least: float) -> list[str]:
+    """What to do about places that the file itself doubts, where they are more than a few."""
+    count = int((table["confidence"].to_numpy(dtype=float) < _DOUBTED).sum())
+    if least > 0 or count < 0.01 * len(table):
+        return []
+    return [f"{count} rows have a confidence below {_DOUBTED:g} and may leap: least_confidence={_DOUBTED:g} "
+            f"(--least-confidence {_DOUBTED:g}) leaves them out"]  # fmt: skip
 
 
 def _scenes_as_they_come(column: pd.Series) -> pd.Series:
@@ -186,9 +200,8 @@ def _known_unit(unit: str | None, known: str | None, source: str) -> str | None:
 def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], source: str) -> tuple[float, str]:
     """Metres of one unit of the file and the unit of the table: (0.01, "m"), (1.0, "px")."""
     if unit not in UNITS:
-        claimed = f" (the file says {claims['cm_per_pixel']:g} cm per pixel)" if "cm_per_pixel" in claims else ""
         problem = "unit is not given" if unit is None else f"unknown unit {unit!r}"
-        raise InputError(f"{source}: {problem}; expected one of {', '.join(UNITS)}{claimed}")
+        raise InputError(f"{source}: {problem}{_claimed(claims)}; expected one of {', '.join(UNITS)}: unit= (--unit)")
     metres, said = UNITS[unit], claims.get("unit")
     if said in UNITS and said != unit:
         warn(f"{source}: the file says that x and y are in {said}, but they are read in {unit} as given; "
@@ -203,6 +216,19 @@ def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], sour
     if number <= 0:
         raise InputError(f"scale: expected metres of one {unit}, > 0, got {scale}")
     return number, "m"
+
+
+def _claimed(claims: Mapping[str, Any]) -> str:
+    """What the file itself says of rate, unit and scale; "" for nothing."""
+    rate, unit = claims.get("rate", claims.get("fps")), claims.get("unit")
+    said = [f"{float(rate):g} per second"] if rate else []
+    said += [f"unit {unit}"] if unit else []
+    said += [f"{claims['cm_per_pixel']:g} cm per pixel"] if "cm_per_pixel" in claims else []
+    return f" (the file says {', '.join(said)})" if said else ""
+
+
+def _tells_time(frame: pd.DataFrame) -> bool:
+    return "time" in frame and bool(np.isfinite(frame["time"].to_numpy()).all())
 
 
 def _clean(frame: pd.DataFrame, least_confidence: float) -> tuple[pd.DataFrame, dict[str, int]]:
@@ -238,7 +264,7 @@ def _times(
     """Seconds [N] of each row; the rate given wins over the file's own time."""
     claimed = claims.get("rate", claims.get("fps"))
     if rate is None:
-        if "time" not in frame or not np.isfinite(frame["time"].to_numpy()).all():
+        if not _tells_time(frame):
             said = f"; the file says {float(claimed):g} per second, which is not always the camera's" if claimed else ""
             raise InputError(f"{source}: rate is not given (rows per second){said}: "
                              "rate= (--rate); or, if a column holds seconds, name it: columns={'time': ...} "

@@ -64,6 +64,12 @@ def pose_h5(path: Path) -> Path:
     return path
 
 
+def trajnet(path: Path) -> Path:
+    rows = (f'{{"track": {{"f": {10 * n}, "p": {n // 30}, "x": {0.1 * n:.2f}, "y": 1.5}}}}' for n in range(60))
+    path.write_text("\n".join(['{"scene": {"id": 0, "p": 1, "s": 0, "e": 290, "fps": 2.5}}', *rows]))
+    return path
+
+
 def bag(path: Path) -> Path:
     pytest.importorskip("rosbags")
     from test_ros_bags import bag as made
@@ -90,7 +96,7 @@ def as_log(path: Path) -> pd.DataFrame:
 @pytest.mark.parametrize(
     ("make", "name", "read"),
     [(tidy, "t.csv", as_tracks), (plain, "t.txt", as_tracks), (parquet, "t.parquet", as_tracks), (trex, "t_id1.npz", as_tracks),
-     (pose, "p.csv", as_tracks), (sleap, "s.h5", as_tracks), (pose_h5, "d.h5", as_tracks), (bag, "b.bag", as_log), (log, "log.csv", as_log)],
+     (pose, "p.csv", as_tracks), (sleap, "s.h5", as_tracks), (pose_h5, "d.h5", as_tracks), (trajnet, "t.ndjson", as_tracks), (bag, "b.bag", as_log), (log, "log.csv", as_log)],
 )  # fmt: skip
 def test_damage_is_one_line(make: Callable, name: str, read: Callable, tmp_path: Path) -> None:
     good = make(tmp_path / name).read_bytes()

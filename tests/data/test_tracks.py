@@ -295,3 +295,62 @@ def test_a_unit_that_the_columns_contradict_is_warned_of(walk: pd.DataFrame, tmp
     walk.rename(columns={"x": "x_mm", "y": "y_mm"}).to_csv(path, index=False)
     with pytest.warns(bh.DataWarning, match=r"x and y are in mm, but they are read in m .*\(--unit mm\)"):
         bh.read_tracks(path, rate=RATE, unit="m")
+
+
+def test_neither_rate_nor_unit_is_one_line_for_both(walk: pd.DataFrame, tmp_path) -> None:
+    path = tmp_path / "t.txt"
+    walk.to_csv(path, sep=" ", header=False, index=False)
+    with pytest.raises(InputError, match=r"neither rate \(rows per second\) nor unit is given; .*--rate.*--unit m\|cm"):
+        bh.read_tracks(path)
+
+
+def test_lines_of_json_as_trajnet_has_them(walk: pd.DataFrame, tmp_path) -> None:
+    path = tmp_path / "scene.ndjson"
+    lines = ['{"scene": {"id": 0, "p": 1, "s": 0, "e": 390, "fps": 2.5, "tag": 4}}']
+    lines += [f'{{"track": {{"f": {10 * r.frame:.0f}, "p": {r.id:.0f}, "x": {r.x}, "y": {r.y}}}}}'
+              for r in walk.itertuples()]  # fmt: skip
+    lines.append('{"track": {"f": 0, "p": 1, "x": 9, "y": 9, "prediction_number": 0, "scene_id": 0}}')
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"the file says 2\.5 per second"):
+        bh.read_tracks(path, unit="m")
+    table = bh.read_tracks(path, rate=2.5, unit="m")
+    assert table.attrs["bayeshunt"]["reader"] == "trajnet"
+    assert "1 rows of predictions are left out" in table.attrs["bayeshunt"]["notes"]
+    assert table["id"].tolist() == [1] * 40 + [2] * 40
+    assert table[["x", "y"]].to_numpy() == pytest.approx(walk[["x", "y"]].to_numpy())
+    assert np.diff(table["time"].iloc[:40]) == pytest.approx(0.4)
+    for wrong, problem in (
+        ('{"track": {"f": 0, "p": 1, "x": "a", "y": 0}}', "line 3: x is 'a'; expected a number"),
+        ('{"track": [1, 2]}', "line 3: neither a scene nor a track"),
+        ("[" * 5000, "line 3: neither a scene nor a track"),
+        ('{"track": {"f": 0, "p": null, "x": 0, "y": 0}}', "line 3: p is None"),
+    ):
+        path.write_text("\n".join([*lines[:2], wrong]))
+        with pytest.raises(DataError, match=problem):
+            bh.read_tracks(path, rate=2.5, unit="m")
+    path.write_text(lines[0])
+    with pytest.raises(DataError, match="holds no track"):
+        bh.read_tracks(path, rate=2.5, unit="m")
+
+
+def test_degrees_and_dates_that_the_names_tell(walk: pd.DataFrame, tmp_path) -> None:
+    dates = pd.Timestamp("2024-05-03 09:12:00") + pd.to_timedelta(walk.frame / RATE, unit="s")
+    table = walk.assign(datetime=dates.dt.strftime("%Y-%m-%d %H:%M:%S.%f"), orientation_deg=270.0).drop(columns="frame")
+    table.to_csv(tmp_path / "gps.csv", index=False)
+    read = bh.read_tracks(tmp_path / "gps.csv", unit="m")
+    assert read["time"].iloc[:3].tolist() == pytest.approx([0.0, 0.1, 0.2])
+    assert read["heading"].to_numpy() == pytest.approx(-math.pi / 2)
+    epochs = table.assign(datetime=1_700_000_000_000 + walk.frame * 100).rename(columns={"datetime": "timestamp"})
+    epochs.to_csv(tmp_path / "epochs.csv", index=False)
+    assert bh.read_tracks(tmp_path / "epochs.csv", unit="m")["time"].to_numpy() == pytest.approx(
+        read["time"].to_numpy()
+    )
+
+
+def test_places_that_the_file_doubts_are_said(walk: pd.DataFrame, tmp_path) -> None:
+    walk.assign(likelihood=np.where(walk.frame % 20, 0.9, 0.1)).to_csv(tmp_path / "t.csv", index=False)
+    notes = bh.read_tracks(tmp_path / "t.csv", rate=RATE, unit="m").attrs["bayeshunt"]["notes"]
+    assert any("4 rows have a confidence below 0.5" in note and "--least-confidence 0.5" in note for note in notes)
+    kept = bh.read_tracks(tmp_path / "t.csv", rate=RATE, unit="m", least_confidence=0.5)
+    assert len(kept) == 76
+    assert not any("confidence below" in note for note in kept.attrs["bayeshunt"]["notes"])

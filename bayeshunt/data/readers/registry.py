@@ -59,6 +59,7 @@ _READERS: dict[str, tuple[str, str] | Callable[[], TrackReader]] = {
     "trex": ("bayeshunt.data.readers.trex", "TRexReader"),
     "sleap": ("bayeshunt.data.readers.sleap", "SleapReader"),
     "deeplabcut": ("bayeshunt.data.readers.deeplabcut", "DeepLabCutReader"),
+    "trajnet": ("bayeshunt.data.readers.trajnet", "TrajNetReader"),
     "parquet": ("bayeshunt.data.readers.tables", "ParquetReader"),
     "text": ("bayeshunt.data.readers.tables", "TextReader"),
 }

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from bayeshunt.core.errors import DataError, InputError
+from bayeshunt.data.readers.quaternions import yaw_of
 
 __all__ = ["read_bag"]
 
@@ -61,7 +61,7 @@ def _table(reader: Any, chosen: list[Any]) -> pd.DataFrame:
         pose = message.pose
         pose = getattr(pose, "pose", pose)
         q = pose.orientation
-        yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+        yaw = float(yaw_of(q.x, q.y, q.z, q.w))
         if command is not None:
             rows.append((stamp * 1e-9, pose.position.x, pose.position.y, yaw, *command))
     table = pd.DataFrame(rows, columns=["time", "x", "y", "yaw", "linear_x", "angular_z"], dtype=float)

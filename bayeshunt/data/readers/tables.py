@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayeshunt.core.errors import DataError, InputError, did_you_mean
+from bayeshunt.data.log_clock import seconds_of
 from bayeshunt.data.readers.registry import Found
 from bayeshunt.data.text_tables import as_numbers, read_text_table, same_name, says_unit
 from bayeshunt.files import parquet
@@ -18,13 +20,18 @@ __all__ = ["ParquetReader", "TextReader", "guess_columns"]
 
 #: What a column may be called, without case and punctuation; the first that a table has is taken.
 _NAMES: dict[str, tuple[str, ...]] = {
-    "x": ("x", "posx", "xpos", "positionx", "xm", "xcm", "xmm", "xpx", "xpixel", "centroidx", "xcoord", "px", "xworld"),
-    "y": ("y", "posy", "ypos", "positiony", "ym", "ycm", "ymm", "ypx", "ypixel", "centroidy", "ycoord", "py", "yworld"),
+    "x": ("x", "posx", "xpos", "positionx", "xm", "xcm", "xmm", "xpx", "xpixel", "centroidx", "cx", "xcoord", "px",
+          "xworld"),
+    "y": ("y", "posy", "ypos", "positiony", "ym", "ycm", "ymm", "ypx", "ypixel", "centroidy", "cy", "ycoord", "py",
+          "yworld"),
     "id": ("id", "trackid", "track", "individual", "individualid", "agent", "agentid", "animal", "animalid", "ped",
            "pedid", "pedestrian", "pedestrianid", "person", "personid", "objectid", "object", "identity", "name"),
-    "time": ("time", "t", "times", "timestamp", "timesec", "seconds", "sec", "secs", "elapsed"),
+    "time": ("time", "t", "times", "timestamp", "timesec", "seconds", "sec", "secs", "elapsed", "datetime", "date",
+             "timems", "timestampms", "tms", "timestampus", "timestampns", "stamp", "stampns", "utc"),
     "frame": ("frame", "frameid", "frameno", "framenumber", "framenum", "frames", "framenr", "step", "index"),
-    "heading": ("heading", "theta", "yaw", "angle", "orientation", "bodyangle", "dir", "direction", "headingrad"),
+    "heading": ("heading", "theta", "yaw", "angle", "orientation", "bodyangle", "dir", "direction", "headingrad",
+                "headingdeg", "thetadeg", "yawdeg", "angledeg", "orientationdeg", "thetarad", "yawrad", "anglerad",
+                "orientationrad"),
     "confidence": ("confidence", "likelihood", "score", "probability", "prob", "certainty"),
 }  # fmt: skip
 _UNITS = ("mm", "cm", "m", "px")
@@ -128,11 +135,16 @@ def _tidy(table: pd.DataFrame, source: str, columns: Mapping[str, str], keypoint
     else:
         found = guess_columns(names, columns, source)
         said = "columns: " + ", ".join(f"{meaning} = {name}" for meaning, name in found.items())
-    frame = pd.DataFrame({m: as_numbers(table[name]) for m, name in found.items() if m != "id"})
+    frame = pd.DataFrame({m: as_numbers(table[name]) for m, name in found.items() if m not in ("id", "time")})
+    if "time" in found:
+        clock = seconds_of(table[found["time"]], None, source, slowest=math.inf)
+        frame["time"] = clock.seconds
+        said += "" if clock.note.startswith("time in s ") else f"; {clock.note}"
     if "id" not in found:
         _check_alone(frame, names, source)
     frame["id"] = table[found["id"]].to_numpy() if "id" in found else "0"
     claims: dict[str, Any] = {"rate": _rate(frame)} if "time" in frame else {}
+    claims["angle"] = "deg" if "heading" in found and says_unit(found["heading"], "deg") else None
     claims["unit"] = next((u for u in _UNITS if says_unit(found["x"], u) and says_unit(found["y"], u)), None)
     return Found(frame, {k: v for k, v in claims.items() if v}, (said,))
 
