@@ -18,7 +18,7 @@ SCORES = ("ade", "fde", "best20_ade", "best20_fde", "energy", "nll", "cover50", 
 BEST_OF = 20
 _ROUNDS = 30  # of the spatial median
 _FLAT = 0.001  # share of a uniform density over the whole area in the kernel density
-_CHUNK = 200
+_CHUNK = 16  # windows at a time: their samples stay in the cache
 
 
 def at_times(steps: int) -> np.ndarray:

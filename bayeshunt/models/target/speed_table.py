@@ -136,8 +136,7 @@ class SpeedTable:
         """Return one transition after each class of ``mine`` [N]: distance [m], angle and heading [rad], in its bin."""
         mix, kinds, cells, ends = self._ready()
         uniform = rng.random((4, len(mine)))
-        reach = np.cumsum(mix, axis=1)
-        source = (uniform[0][:, None] * reach[mine, -1:] > reach[mine]).sum(axis=1)
+        source = _sources(np.cumsum(mix, axis=1), mine, uniform[0])
         bounds = np.concatenate([[0], ends[np.searchsorted(kinds, np.arange(_KINDS), side="right") - 1]])
         bounds[1:][np.searchsorted(kinds, np.arange(_KINDS), side="right") == 0] = 0
         low, high = bounds[source], bounds[source + 1]
@@ -159,6 +158,17 @@ class SpeedTable:
             both = np.array(pairs, dtype=np.int64).reshape(-1, 2)
             self._drawn = self.mixing(), both[:, 0], both[:, 1], ends
         return self._drawn
+
+
+def _sources(reach: FloatArray, mine: np.ndarray, uniform: FloatArray) -> np.ndarray:
+    """Return from which class each draw [N] of classes ``mine`` is taken, class by class; reach [C, C]: cumulative."""
+    at, found = uniform * reach[mine, -1], np.empty(len(mine), dtype=np.int64)
+    order = np.argsort(mine.astype(np.int8), kind="stable")
+    edges = np.searchsorted(mine[order], np.arange(_KINDS + 1))
+    for kind in range(_KINDS):
+        rows = order[edges[kind] : edges[kind + 1]]
+        found[rows] = np.searchsorted(reach[kind], at[rows])
+    return found
 
 
 class OwnSteps:
