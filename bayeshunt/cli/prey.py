@@ -56,6 +56,9 @@ def fit_prey(
     ),
     seen: Annotated[int, typer.Option(help="Places that are known, the present one included.")] = 8,
     steps: Annotated[int, typer.Option(help="Places that are foreseen at once.")] = 12,
+    csv: Annotated[
+        Path | None, out_file("Write every cell, its count and its 95 % interval, as CSV.", "tables of cells", ".csv")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Fit a model of how recorded people or animals move.
@@ -63,18 +66,23 @@ def fit_prey(
     Example:  bayeshunt prey fit tracks.parquet --time-step 0.8 --out prey.json
     """
     from bayeshunt.data.transitions import transitions
+    from bayeshunt.files.atomic import write_text
     from bayeshunt.models.target.prey import PreyModel
 
     frame = _tracks(files)
     rows = transitions(frame, time_step, standing, seen=seen, steps=steps)
     model = PreyModel.fit(rows, _or_none(given), _or_none(residual_of))
     model.save(out)
+    if csv is not None:
+        write_text(csv, model.cpt().to_csv())
     step = float(rows["time_step"].iloc[0])
     facts = {
         "out": str(out), "transitions": model.observations, "time_step": step, "cells": len(model.counts),
         "given": _or_none(given), "residual_of": _or_none(residual_of),
     }  # fmt: skip
     tell(facts, as_json, "\n".join([_counted(facts, frame), *_next_of(files, out, step, frame)]))
+    if not as_json:
+        say_written(csv)
 
 
 def _counted(facts: dict[str, Any], frame: Any) -> str:

@@ -149,8 +149,12 @@ def test_a_fitted_model_is_scored_as_it_is(bayeshunt, tmp_path) -> None:
 
     tracks_file.save(walkers(6, 50, 1), tmp_path / "a.parquet")
     tracks_file.save(walkers(1, 80, 2), tmp_path / "b.parquet")
-    out, _ = bayeshunt("prey", "fit", "a.parquet", "--seen", "4", "--steps", "5", "--out", "prey.json")
+    fit = ("prey", "fit", "a.parquet", "--seen", "4", "--steps", "5", "--csv", "cells.csv", "--out", "prey.json")
+    out, _ = bayeshunt(*fit)
     assert "transitions of 0.4 s" in out
+    cells = pd.read_csv(tmp_path / "cells.csv")
+    assert cells["count"].sum() == bh.PreyModel.load(tmp_path / "prey.json").observations
+    assert (cells["low"] < cells["probability"]).all()
     out, _ = bayeshunt("prey", "score", "prey.json", "--on", "b.parquet", "--seen", "4", "--steps", "5", "--json")
     table = pd.DataFrame(json.loads(out))
     assert table["model"].tolist() == ["stands", "constant_velocity", "prey.json"]
