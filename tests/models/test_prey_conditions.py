@@ -99,6 +99,8 @@ def test_the_speed_that_it_had_tells_the_next(rows: pd.DataFrame) -> None:
 def test_wrong_requests_are_one_line(rows: pd.DataFrame) -> None:
     with pytest.raises(InputError, match="did you mean 'constant_velocity'"):
         bh.PreyModel.fit(rows, residual_of="constant_velocty")
+    with pytest.raises(InputError, match="two places or more"):
+        bh.PreyModel.fit(rows, **BOTH).futures(np.zeros((3, 1)) + 0j, 5, 8, rng=np.random.default_rng(0))
     with pytest.raises(InputError, match="'speed'"):
         bh.PreyModel.fit(rows, given="mood")
     with pytest.raises(DataError, match="column 'speed' is missing"):

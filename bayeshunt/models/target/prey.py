@@ -145,6 +145,8 @@ class PreyModel(displays.Displayed, StoredPrey):
             headings = check_numbers(headings, "headings")
         self._check_seen()
         if self.conditions is not None and not self.conditions.is_empty:
+            if np.shape(seen)[1] < 2:
+                raise InputError("seen: expected two places or more of each path: this model goes by speed")
             return self.conditions.futures(np.asarray(seen), steps, n, rng=rng, headings=headings)
         drawn = self.sample_paths(steps, n * len(seen), rng=rng)
         ahead = (drawn.forward - 1j * drawn.right)[:, 1:].reshape(len(seen), n, steps)
