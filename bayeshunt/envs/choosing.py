@@ -10,7 +10,7 @@ import numpy as np
 
 from bayeshunt.config.loading import DEFAULT_PRESET, load_experiment
 from bayeshunt.config.schema import ExperimentSettings
-from bayeshunt.core.checks import check_radians, check_whole
+from bayeshunt.core.checks import check_kind, check_radians, check_whole
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.episodes.pursuit import Pursuit
 
@@ -31,12 +31,15 @@ def experiment_of(
     """Return the experiment that an environment's arguments name; they are plain, so that a spec can be JSON.
 
     sensing: the name of a sensor, or values of the group ``sensing`` by key. overrides: values by dotted key, over all
-    the others. Raises ConfigError in one line for what is unknown.
+    the others. Raises ConfigError in one line for what is unknown, InputError for what is none of these.
     """
+    if overrides is not None:
+        check_kind(overrides, "overrides", Mapping, 'settings by dotted key, {"prey.speed": 0.04}')
     changes: dict[str, Any] = {} if robot is None else {"robot": robot}
     if isinstance(sensing, str):
         changes["sensing.sensor"] = sensing
     elif sensing is not None:
+        check_kind(sensing, "sensing", Mapping, "the name of a sensor, or values by key")
         changes.update({f"sensing.{key}": value for key, value in sensing.items()})
     return load_experiment(DEFAULT_PRESET if preset is None else preset, {**changes, **(overrides or {})})
 

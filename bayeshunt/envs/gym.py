@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
+from bayeshunt.core.checks import check_radians
 from bayeshunt.core.errors import InputError, did_you_mean
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.messages import Moment
@@ -51,6 +52,8 @@ class HuntEnv(gymnasium.Env[NDArray[np.float32], Any], EzPickle):
         if render_mode is not None and render_mode not in modes:
             raise InputError(f"render_mode: unknown mode {render_mode!r}{did_you_mean(render_mode, modes)}")
         self.settings = experiment_of(preset, robot, sensing, overrides)
+        if theta is not None:
+            check_radians(theta, "theta")
         self.settings.check_arena(arena, theta)
         self.arena, self.theta, self.render_mode = arena, theta, render_mode
         self.metadata = {**self.metadata, "render_fps": 1.0 / self.settings.physics.control_interval}

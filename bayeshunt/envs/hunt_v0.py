@@ -1,6 +1,7 @@
 """The hunt as a PettingZoo environment: ``hunter_0`` and ``prey_0`` both act, and what one gains the other loses.
 
-``parallel_env()`` makes it with both acting at once, ``env()`` with one after the other.
+``parallel_env()`` makes it with both acting at once, ``env()`` with one after the other; importing this registers both
+as "bayeshunt/hunt-v0" with a PettingZoo that has a registry.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+import pettingzoo
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import parallel_to_aec, wrappers
 
 from bayeshunt.config.schema import PreySettings
+from bayeshunt.core.checks import check_whole
 from bayeshunt.core.errors import InputError, shown
 from bayeshunt.core.gaits import Gait
 from bayeshunt.core.geometry import Pose
@@ -28,6 +31,7 @@ from bayeshunt.planners.policy import encode
 __all__ = ["HuntParallelEnv", "env", "parallel_env", "prey_gaits", "raw_env"]
 
 HUNTER, PREY = "hunter_0", "prey_0"
+_ID = "bayeshunt/hunt-v0"
 #: What the prey can do at its free speed: its turn in units of ``prey.turn_rate``, counter-clockwise.
 TURNS = (("hard left", 1.0), ("left", 0.5), ("straight", 0.0), ("right", -0.5), ("hard right", -1.0))
 #: Greatest length in an observation [ten bodies of the hunter].
@@ -57,6 +61,8 @@ class HuntParallelEnv(ParallelEnv, EzPickle):  # type: ignore[misc]  # PettingZo
         render_mode: str | None = None,
     ) -> None:  # fmt: skip
         EzPickle.__init__(self, arena, robot, preset, sensing, theta, overrides, reward, max_cycles, render_mode)
+        if max_cycles is not None:
+            check_whole(max_cycles, "max_cycles", 1)
         self._hunt = HuntEnv(arena, robot, preset, sensing, theta, overrides, reward, render_mode)
         self.metadata = {**self.metadata, "render_fps": self._hunt.metadata["render_fps"]}
         self.render_mode, self.max_cycles = render_mode, max_cycles
@@ -173,3 +179,17 @@ def raw_env(**settings: Any) -> AECEnv:
 def env(**settings: Any) -> AECEnv:
     """Return the environment in which one acts after the other; an action outside its space is an error."""
     return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(raw_env(**settings)))
+
+
+def _register() -> None:
+    """Give both a name in PettingZoo's registry, which it has from 1.27 on."""
+    if not hasattr(pettingzoo, "register"):
+        return
+    for kind, registry, maker in (
+        ("aec", pettingzoo.aec_registry, "env"), ("parallel", pettingzoo.parallel_registry, "parallel_env"),
+    ):  # fmt: skip
+        if _ID not in registry:
+            pettingzoo.register(kind, _ID, entry_point=f"{__name__}:{maker}")
+
+
+_register()

@@ -143,6 +143,9 @@ def test_a_prey_that_starts_within_reach_is_caught_at_once():
         ({"theta": 60.0}, "theta"),
         ({"overrides": {"prey.sped": 1}}, "sped"),
         ({"robot": "kephera"}, "khepera"),
+        ({"theta": "east"}, "theta: expected"),
+        ({"sensing": 3}, "sensing: expected"),
+        ({"overrides": [1]}, "overrides: expected"),
     ],
 )
 def test_wrong_arguments(arguments, said):

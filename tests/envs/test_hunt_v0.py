@@ -5,6 +5,7 @@ from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
+import pettingzoo
 import pytest
 from pettingzoo.test import api_test, max_cycles_test, parallel_api_test, parallel_seed_test, render_test, seed_test
 
@@ -95,3 +96,16 @@ def test_actions_that_are_none(actions):
     env.reset(seed=0)
     with pytest.raises(InputError, match=r"expected"):
         env.step(actions)
+
+
+@pytest.mark.parametrize("cycles", [0, 2.5, "x"])
+def test_cycles_that_are_none(cycles):
+    with pytest.raises(InputError, match="max_cycles: expected"):
+        hunt_v0.parallel_env(max_cycles=cycles)
+
+
+@pytest.mark.skipif(not hasattr(pettingzoo, "make"), reason="PettingZoo before 1.27 has no registry")
+def test_pettingzoos_registry_knows_both():
+    both = pettingzoo.make("parallel", "bayeshunt/hunt-v0", arena="open", max_cycles=2)
+    assert (both.unwrapped.max_cycles, both.possible_agents) == (2, ["hunter_0", "prey_0"])
+    assert pettingzoo.make("aec", "bayeshunt/hunt_v0").possible_agents == both.possible_agents
