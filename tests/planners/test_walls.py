@@ -282,9 +282,9 @@ def test_a_prey_that_runs_on_and_on_is_in_no_room(model):
 
 
 def test_a_prey_that_has_come_beyond_a_wall_is_hardly_in_that_room(model):
-    """It goes straight from 3 bodies to 4.4, or to 5.8: by hand, that is 1.3 beyond a wall and costs 1.3 / 0.6."""
-    planner = intercept(model, sizes=2, nearest=4.5, farthest=20.0, room_chance=0.5)
-    ends = (4.4, 5.8)
+    """It goes straight from 3 bodies to 8.9, or to 10.3; a room of 4.5 stands for those up to 9: 1.3 / 0.6 by hand."""
+    planner = intercept(model, sizes=2, nearest=4.5, farthest=18.0, room_chance=0.5)
+    ends = (8.9, 10.3)
     found = [belief_after(planner, [Pose(3.0 * BODY, 0.0, 0.0), Pose(x * BODY, 0.0, 0.0)]) for x in ends]
     odds = [float(np.log(table["probability"].iloc[0] / table["probability"].iloc[1])) for table in found]
     runs = [model_odds(planner, x - 3.0) for x in ends]
@@ -293,7 +293,7 @@ def test_a_prey_that_has_come_beyond_a_wall_is_hardly_in_that_room(model):
 
 def model_odds(planner, run):
     """The logarithm of how much less likely a straight leg of ``run`` bodies is in the small room than in the large."""
-    error, gap = planner.settings.hazard, np.array([1.5, 17.0])
+    error, gap = planner.settings.hazard, np.array([1.5, 15.0])
     chance = error + (1 - 2 * error) / (1 + np.exp((gap - run) / planner.settings.slack))
     return float(np.log((1 - chance[0]) / (1 - chance[1])))
 

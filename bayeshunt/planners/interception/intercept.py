@@ -82,9 +82,9 @@ class InterceptPlanner(TurningPlanner):
 
     ``P(room | prey so far) ~ P(room) product over legs of P(turned or not | room)``, where
     ``P(turn | room) = error + (1 - 2 error) / (1 + exp((gap to the wall - leg) / slack))``, and a prey that has come
-    beyond a wall is hardly in that room: ``P(comes beyond | room) = exp(-farthest beyond / slack)``. The prey's futures
-    are those of every hypothesis, weighted; :meth:`rooms` opens the table. Without ``situation.pose``, or with
-    ``room_chance = 0``, there is no room.
+    beyond a wall is hardly in that room: ``P(comes beyond | room) = exp(-farthest beyond / slack)``; a size stands for
+    those half-way to the next as well. The prey's futures are those of every hypothesis, weighted; :meth:`rooms` opens
+    the table. Without ``situation.pose``, or with ``room_chance = 0``, there is no room.
     """
 
     name = "intercept"
@@ -96,6 +96,8 @@ class InterceptPlanner(TurningPlanner):
         chosen = self.settings
         body = model.gaits.need("body_length")
         self.sizes = np.geomspace(chosen.nearest, chosen.farthest, chosen.rooms) * body
+        #: The largest rooms that each size stands for: half-way to the next.
+        self.largest = self.sizes * (self.sizes[-1] / self.sizes[0]) ** (0.5 / max(len(self.sizes) - 1, 1))
         self.slack = chosen.slack * body
         self.walls = [Walls(_NORMALS, (float(size),) * 4, chosen.rebound) for size in self.sizes]
         chance, count = chosen.room_chance, len(self.sizes)
@@ -159,7 +161,7 @@ class InterceptPlanner(TurningPlanner):
             chance = np.append(self._turn_chance(pose, known.speed), hazard)
             logs += np.log(np.maximum(chance if turn else 1.0 - chance, 1e-12))
         farthest = max((max(abs(pose.x), abs(pose.y)) for pose in (*poses, now)[1:]), default=0.0)
-        logs[:-1] -= np.maximum((farthest - self.sizes) / self.slack, 0.0)
+        logs[:-1] -= np.maximum((farthest - self.largest) / self.slack, 0.0)
         return logs
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
