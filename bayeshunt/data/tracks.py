@@ -201,8 +201,8 @@ def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], sour
     """Metres of one unit of the file and the unit of the table: (0.01, "m"), (1.0, "px")."""
     if unit not in UNITS:
         problem = "unit is not given" if unit is None else f"unknown unit {unit!r}"
-        said = _claimed({**claims, "rate": None, "fps": None})
-        raise InputError(f"{source}: {problem}{said}; expected one of {', '.join(UNITS)}: unit= (--unit)")
+        shown = _claimed({**claims, "rate": None, "fps": None})
+        raise InputError(f"{source}: {problem}{shown}; expected one of {', '.join(UNITS)}: unit= (--unit)")
     metres, said = UNITS[unit], claims.get("unit")
     if said in UNITS and said != unit:
         warn(f"{source}: the file says that x and y are in {said}, but they are read in {unit} as given; "
