@@ -54,12 +54,12 @@ def chosen_gaits(settings: Any, seed: int) -> list[Any]:
 
 
 def time_hunt(settings: Any, arena: str, seed: int) -> float:
-    """Seconds per physics step of one hunt."""
+    """Processor seconds per physics step of one hunt."""
     world, chosen = make_world(settings, arena, seed), chosen_gaits(settings, seed)
-    start = time.perf_counter()
+    start = time.process_time()
     for gait in chosen:
         world.run({"hunter": gait}, settings.robot.gait_duration, NEVER)
-    return (time.perf_counter() - start) / round(world.time / settings.physics.step)
+    return (time.process_time() - start) / round(world.time / settings.physics.step)
 
 
 def record(settings: Any, arena: str, seed: int) -> Motion:
@@ -77,14 +77,14 @@ def record(settings: Any, arena: str, seed: int) -> Motion:
 
 
 def time_bare(settings: Any, arena: str, motion: Motion) -> float:
-    """Seconds per bare ``b2World.Step`` of the same motion."""
+    """Processor seconds per bare ``b2World.Step`` of the same motion."""
     world, unit, physics = new_world(), settings.robot.body.diameter, settings.physics
     if settings.arenas[arena].walled:
         build_walls(world, settings.arenas[arena].width / unit, settings.arenas[arena].height / unit)
     fixture = Box2D.b2FixtureDef(shape=Box2D.b2CircleShape(radius=0.5), density=1.0, friction=0.0, restitution=0.0)
     bodies = [world.CreateDynamicBody(fixtures=fixture, allowSleep=False) for _ in range(2)]
     step, arguments = world.Step, (physics.step, physics.velocity_iterations, physics.position_iterations)
-    clock, taken, count = time.perf_counter, 0.0, physics.control_steps
+    clock, taken, count = time.process_time, 0.0, physics.control_steps
     for body, pose in zip(bodies, motion.poses[0].tolist(), strict=True):
         body.transform = (tuple(pose[:2]), pose[2])
     for velocities in motion.velocities.tolist():
@@ -99,7 +99,7 @@ def time_bare(settings: Any, arena: str, motion: Motion) -> float:
 
 def clock_cost() -> float:
     """Seconds that reading the clock twice adds to an interval."""
-    clock, costs = time.perf_counter, []
+    clock, costs = time.process_time, []
     for _ in range(1000):
         start = clock()
         costs.append(clock() - start)
@@ -107,7 +107,7 @@ def clock_cost() -> float:
 
 
 def time_lander(seed: int) -> float | None:
-    """Seconds per step of Gymnasium's LunarLander with actions by chance; None without Gymnasium."""
+    """Processor seconds per step of Gymnasium's LunarLander with actions by chance; None without Gymnasium."""
     try:
         import gymnasium
     except ImportError:
@@ -117,9 +117,9 @@ def time_lander(seed: int) -> float | None:
     environment.reset(seed=seed)
     taken = 0.0
     for action in actions:
-        start = time.perf_counter()
+        start = time.process_time()
         ended = environment.step(action)[2]
-        taken += time.perf_counter() - start
+        taken += time.process_time() - start
         if ended:
             environment.reset()
     environment.close()
@@ -152,7 +152,7 @@ def measure(seed: int) -> dict[str, Any]:
 
 def report(facts: dict[str, Any]) -> str:
     """The figures as text."""
-    lines = ["One physics step of a hunt, planner left out [microseconds, least of the rounds]"]
+    lines = ["One physics step of a hunt, planner left out [microseconds of processor time, least of the rounds]"]
     for row in facts["rows"]:
         lander = "LunarLander not installed (extra bench)" if row["lander_us"] is None else (
             f"LunarLander {row['lander_us']:.1f} (ours is {row['times_lander']:.2f} of it)"
