@@ -4,7 +4,8 @@
 [--cache FOLDER] [--show] [--figure FILE.svg] [--json FILE]``
 
 WORLD: a name of the table below, or a preset with settings, such as ``paper,robot.gait_duration=1.664``; several
-settings are several commas. By default all of the table. ``--runs`` is per bearing and seed. Every planner meets the
+settings are several commas. By default all of the table. Beside the behaviours that ship a prey may zigzag, be circling
+or stop_and_go (:mod:`benchmarks.strange_prey`). ``--runs`` is per bearing and seed. Every planner meets the
 same prey and the same noise, so that differences are paired.
 
 Hunts are kept in the cache, run by run: the command can be stopped and goes on where it was, and more ``--runs`` only
@@ -40,6 +41,7 @@ from bayeshunt.core.errors import did_you_mean
 from bayeshunt.episodes.loop import run_hunt
 from bayeshunt.experiments.protocol import hunt_seed
 from bayeshunt.experiments.scores import wilson_interval
+from benchmarks import strange_prey
 from benchmarks.hunters import BOTH, Row, prepared, table
 
 PLANNERS = ("prediction", "planning", "intercept", "belief", "intercept_walls", "omniscient")
@@ -303,6 +305,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     given.seed = given.seed or [0]
+    strange_prey.register()
     worlds = [World.read(text) for text in given.world or WORLDS]
     names = {
         world.name: dict.fromkeys([*(given.planner or PLANNERS), *(() if given.planner else (world.bound,))])
