@@ -249,7 +249,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=34, help="hunts per bearing and seed")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
-    parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
+    parser.add_argument(
+        "--rows", nargs="+", default=list(ROWS), choices=list(ROWS), metavar="ROW", help=", ".join(map(repr, ROWS))
+    )
     parser.add_argument("--planners", nargs="+", default=[], help="instead of the row's own")
     parser.add_argument("--tracker", default="", help="instead of particles: exact (the last sighting), kalman")
     parser.add_argument("--only", nargs="+", default=["hunts", *MEASURES], choices=["hunts", *MEASURES])
