@@ -83,8 +83,10 @@ def log_options(
     number: int | str = int(gaits) if gaits.lstrip("+-").isdigit() else gaits
     if isinstance(number, int) and number < 1:
         raise InputError(f"--gaits {gaits}: expected a number of at least 1, auto, held, or a column")
-    options = LogOptions(time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length)
-    return replace(options, commands=commands, offset=offset)
+    return LogOptions(
+        time_step, number, columns, _names(command), time, time_unit, unit, angle, body_length,
+        commands=commands, offset=offset,
+    )  # fmt: skip
 
 
 def reads_logs(command: Callable[..., None]) -> Callable[..., None]:

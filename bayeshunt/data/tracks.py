@@ -201,8 +201,8 @@ def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], sour
     """Metres of one unit of the file and the unit of the table: (0.01, "m"), (1.0, "px")."""
     if unit not in UNITS:
         problem = "unit is not given" if unit is None else f"unknown unit {unit!r}"
-        shown = _claimed({**claims, "rate": None, "fps": None})
-        raise InputError(f"{source}: {problem}{shown}; expected one of {', '.join(UNITS)}: unit= (--unit)")
+        claimed = _claimed(claims, with_rate=False)
+        raise InputError(f"{source}: {problem}{claimed}; expected one of {', '.join(UNITS)}: unit= (--unit)")
     metres, said = UNITS[unit], claims.get("unit")
     if said in UNITS and said != unit:
         warn(f"{source}: the file says that x and y are in {said}, but they are read in {unit} as given; "
@@ -219,10 +219,10 @@ def _unit(unit: str | None, scale: float | None, claims: Mapping[str, Any], sour
     return number, "m"
 
 
-def _claimed(claims: Mapping[str, Any]) -> str:
+def _claimed(claims: Mapping[str, Any], *, with_rate: bool = True) -> str:
     """What the file itself says of rate, unit and scale; "" for nothing."""
     rate, unit = claims.get("rate", claims.get("fps")), claims.get("unit")
-    said = [f"{float(rate):g} per second"] if rate else []
+    said = [f"{float(rate):g} per second"] if rate and with_rate else []
     said += [f"unit {unit}"] if unit else []
     said += [f"{claims['cm_per_pixel']:g} cm per pixel"] if "cm_per_pixel" in claims else []
     return f" (the file says {', '.join(said)})" if said else ""

@@ -160,8 +160,8 @@ class InterceptPlanner(TurningPlanner):
         for pose, turn, hazard in zip(poses, turned.tolist(), hazards.tolist(), strict=True):
             chance = np.append(self._turn_chance(pose, known.speed), hazard)
             logs += np.log(np.maximum(chance if turn else 1.0 - chance, 1e-12))
-        farthest = max((max(abs(pose.x), abs(pose.y)) for pose in (*poses, now)[1:]), default=0.0)
-        logs[:-1] -= np.maximum((farthest - self.largest) / self.slack, 0.0)
+        come = max((max(abs(pose.x), abs(pose.y)) for pose in (*poses, now)[1:]), default=0.0)
+        logs[:-1] -= np.maximum((come - self.largest) / self.slack, 0.0)
         return logs
 
     def _turn_chance(self, pose: Pose, step: float) -> np.ndarray:
